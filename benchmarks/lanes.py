@@ -2,7 +2,7 @@
 
 The 100 iterations for one pose are mostly overhead of NumPy calls, and take longer than the rest of
 a trial. For many poses they take little more time, and every pose is equal to the bit to the pose
-that is solved alone (`tests/encoders/regression/test_touch_ik.py`). Each trial therefore has a
+that is solved alone (`tests/encoders/regression/test_every_encoder.py`). Each trial therefore has a
 thread. One thread runs at a time, and a trial that needs a pose waits until all of them wait. Only
 touches of the same fingers are solved together: the largest such group is solved, and the others
 wait for more trials, up to a limit. Trials end in the same state as alone.

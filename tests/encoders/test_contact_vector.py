@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from random import Random
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -50,15 +48,6 @@ def test_layout_and_flags_can_be_read_back(contacts: dict[int, tuple[float, floa
             np.testing.assert_array_equal(xy[label], np.subtract(contacts[label], first))
         else:
             np.testing.assert_array_equal(xy[label], [-1, -1])
-
-
-@given(contacts=hands, order=st.randoms())
-def test_the_order_in_which_contacts_are_told_does_not_matter(
-    contacts: dict[int, tuple[float, float]], order: Random
-) -> None:
-    items = list(contacts.items())
-    order.shuffle(items)
-    np.testing.assert_array_equal(contact_vector(dict(items)), contact_vector(contacts))
 
 
 @given(contacts=hands)

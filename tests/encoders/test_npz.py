@@ -45,24 +45,20 @@ def test_equal_contents_are_equal_files_and_come_back_to_the_bit(path: Path) -> 
     assert path.with_name("again.npz").read_bytes() == path.read_bytes()
 
 
-def test_a_missing_file_a_folder_and_an_empty_file_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "empty").touch()
-    for path in (tmp_path, tmp_path / "empty", tmp_path / "none.npz"):
+@pytest.mark.parametrize(
+    "changes",
+    [
+        *({"header": header} for header in (None, header_of(""), header_of("{"), header_of("[1]"))),
+        {"u": None},
+    ],
+)
+def test_a_file_that_lacks_a_part_and_what_is_no_file_are_refused(
+    path: Path, changes: dict[str, Any]
+) -> None:
+    rewritten(path, **changes)
+    for each in (path, path.parent, path.with_name("none.npz")):
         with pytest.raises(CaptureError):
-            read(path)
-
-
-@pytest.mark.parametrize("header", [None, header_of(""), header_of("{"), header_of("[1]")])
-def test_a_file_without_a_header_is_refused(path: Path, header: np.ndarray | None) -> None:
-    rewritten(path, header=header)
-    with pytest.raises(CaptureError):
-        read(path)
-
-
-def test_a_file_that_lacks_an_array_is_refused(path: Path) -> None:
-    rewritten(path, u=None)
-    with pytest.raises(CaptureError):
-        read(path)
+            read(each)
 
 
 def test_nothing_is_unpickled(path: Path) -> None:

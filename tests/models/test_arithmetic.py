@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,8 +10,6 @@ from hypothesis import strategies as st
 from models import arithmetic
 from models.arithmetic import arithmetic_digest, eigen, libm_digest
 from tests.support.processes import printed
-
-ROOT = Path(__file__).resolve().parents[2]
 
 generators = st.integers(0, 2**32 - 1).map(np.random.default_rng)
 sizes = st.integers(1, 40)

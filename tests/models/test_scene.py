@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from benchmarks.pinch import pinch_poses
 from models.errors import SceneError
 from models.hand import CONTACT_HAND, SERVOS, Hand
-from models.objects import Box
+from models.mechanisms.mechanism import Mechanism
+from models.objects import Box, Cylinder, SceneObject, Tray, Wrench
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
 from tests.support.simulation import CUBE, TIMESTEPS, pinched, put, run
@@ -62,20 +63,6 @@ def test_a_scene_of_any_number_of_boxes_runs_at_any_timestep_without_a_warning(
     assert scene.substeps * timestep == pytest.approx(CONTROL_PERIOD)
 
 
-def test_two_hands_take_two_poses_in_a_row() -> None:
-    hands = (Hand("left"), Hand("right", servo="position"))
-    scene = Scene(SceneSpec(hands, (CUBE,)))
-    data = mujoco.MjData(scene.model)
-    poses = [AWAY + 0.2 * np.eye(48)[0], AWAY - 0.2 * np.eye(48)[0]]
-    for hand, q in enumerate(poses):
-        put(scene, data, q, hand)
-    run(scene, data, 0.2)
-    for hand, q in enumerate(poses):
-        np.testing.assert_allclose(data.qpos[scene.qpos_slice(hand)][:3], q[:3], atol=1e-6)
-        palm = data.body(hands[hand].element_name("palm")).xpos
-        np.testing.assert_allclose(palm, q[:3], atol=1e-6)
-
-
 @pytest.mark.parametrize("timestep", TIMESTEPS)
 def test_boxes_on_the_table_stay_where_they_are(timestep: float) -> None:
     scene, data = table_with(*BOXES, timestep=timestep)
@@ -104,19 +91,12 @@ def test_a_box_between_two_fingers_is_lifted_and_stays_between_them(
     assert np.rad2deg(np.abs(after[3:] - before[3:]).max()) < 1.0
 
 
-def test_fingers_that_are_ghosts_lift_nothing() -> None:
-    scene, data, closed = pinched()
-    scene.set_solid(0, frozenset())
-    data.ctrl[:] = closed + 0.05 * np.eye(48)[2]
-    run(scene, data, 0.5)
-    assert places(scene, data)[0][2] == pytest.approx(CUBE.position[2], abs=0.0002)
-
-
-def boxes_while_a_ghost(passes: bool, warm_start: bool) -> np.ndarray:
+def boxes_while_a_ghost(passes: bool) -> np.ndarray:
     """(T, n) m and m/s, what the boxes do while a ghost goes through one, or stays away."""
     scene, data = table_with(*BOXES)
-    if not warm_start:
-        scene.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
+    # MuJoCo decides for all bodies at once whether its solver starts from the last step's answer,
+    # so that a hand anywhere reaches the last digits of a box; without that, nothing is left.
+    scene.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
     opened, closed = pinch_poses(CUBE, squeeze=0.010)
     inside = np.inf
     states = []
@@ -132,18 +112,7 @@ def boxes_while_a_ghost(passes: bool, warm_start: bool) -> np.ndarray:
 
 
 def test_a_ghost_passes_through_a_box_without_changing_a_bit_of_its_state() -> None:
-    # MuJoCo decides for all bodies at once whether its solver starts from the last step's answer,
-    # so that a hand anywhere reaches the last digits of a box; without that, nothing is left.
-    np.testing.assert_array_equal(
-        boxes_while_a_ghost(passes=True, warm_start=False),
-        boxes_while_a_ghost(passes=False, warm_start=False),
-    )
-
-
-def test_a_ghost_reaches_a_box_by_rounding_alone() -> None:
-    passing = boxes_while_a_ghost(passes=True, warm_start=True)
-    away = boxes_while_a_ghost(passes=False, warm_start=True)
-    np.testing.assert_allclose(passing, away, atol=1e-6, rtol=0)
+    np.testing.assert_array_equal(boxes_while_a_ghost(True), boxes_while_a_ghost(False))
 
 
 @pytest.mark.parametrize("fingers", [frozenset(), frozenset({0, 1}), frozenset(range(5))])
@@ -196,3 +165,25 @@ def test_a_timestep_that_does_not_divide_the_control_period_is_refused(timestep:
 def test_a_timestep_that_divides_the_control_period_is_taken(parts: int) -> None:
     scene = Scene(SceneSpec((), (CUBE,), timestep=CONTROL_PERIOD / parts))
     assert scene.substeps == parts
+
+
+OBJECTS: tuple[SceneObject, ...] = (
+    Box("box", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02), friction=0.2),
+    Cylinder("pin", 0.01, 0.02, 0.1, (0.1, 0.0, 0.02), friction=0.3),
+    Wrench("wrench", 0.1, (0.0, 0.1, 0.01), bolt=0.1),
+    Tray("tray", 0.1, (0.0, -0.2, 0.018)),
+)
+DESK = """<mujoco><worldbody><body name="desk"><geom size=".02" friction=".4"/>
+  <body name="lid"><joint range="0 90"/><geom size=".01" friction=".6"/></body>
+</body></worldbody></mujoco>"""
+
+
+def test_of_objects_whose_friction_counts_every_part_goes_before_hand_and_table() -> None:
+    objects = (*OBJECTS, *Mechanism("desk", DESK, position=(0.3, 0.0, 0.02)).parts)
+    scene = Scene(SceneSpec((Hand(),), objects, own_friction=True))
+    model = scene.model
+    highest = max(model.geom_priority[g] for g in (*scene.parts(0), model.geom("table").id))
+    for body in scene.object_bodies.values():
+        assert model.geom_priority[model.geom_bodyid == body].min() > highest
+    assert model.geom_friction[model.geom("box").id, 0] == 0.2
+    assert model.geom_friction[model.geom("pin").id, 0] == 0.3

@@ -8,10 +8,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from encoders.correction import CorrectionSettings, FingertipCorrection
-from encoders.input_vector import contact_vector
 from encoders.labels.belief import builtin_population_belief
 from encoders.reconstruction.hand_motion import common_motion, rigid_motion
-from encoders.regression.trained import builtin
 from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.rotations import (
@@ -118,20 +116,6 @@ def test_touches_move_together_as_points_do(
     spread = np.ptp(np.reshape(before, (-1, 2)), axis=0).max() if before else 0.0
     if spread > 1e-3:
         np.testing.assert_allclose(found.turn, wanted.turn, atol=1e-6)
-
-
-@given(touches=places.filter(len), rng=generators)
-def test_an_encoder_predicts_one_contact_vector_as_it_predicts_many(
-    touches: list[tuple[float, float]], rng: np.random.Generator
-) -> None:
-    inches = {
-        int(f): p
-        for f, p in zip(rng.permutation(5), np.divide(touches, 0.0254).tolist(), strict=False)
-    }
-    u, encoder = contact_vector(inches), builtin("population").encoder
-    many = encoder.predict(u[None])[0]
-    scale = max(1.0, float(np.abs(many).max()))
-    np.testing.assert_allclose(encoder.predict(u), many, atol=1e-9 * scale, rtol=0)
 
 
 @given(rng=generators, count=st.integers(2, 5))

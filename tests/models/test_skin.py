@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -25,7 +26,9 @@ from models.rotations import exp
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT, Skeleton
 from models.skin.skin import FULL, Skin, frames, normals_of
+from models.skin.skinned_glb import main
 from sandbox.views.hand_appearance import skinned_model
+from tests.support.node_readers import ask
 from training.skin.field import HandField
 from training.skin.mesh import edges_of, volume
 from training.skin.weights import folds, random_poses
@@ -51,9 +54,6 @@ def pose(seed: int, skeleton: Skeleton = ADULT) -> Array:
     q = random_poses(skeleton, 1, seed)[0]
     q[:6] = np.random.default_rng(seed + 1).uniform(-1.0, 1.0, 6)
     return q
-
-
-# It is a sound surface
 
 
 def test_the_skin_is_one_closed_body_and_faces_outwards() -> None:
@@ -87,9 +87,6 @@ def test_the_pads_are_where_the_simulated_fingers_touch() -> None:
         pad &= away < 0.004
         assert pad.sum() > 8
         assert np.abs(away[pad]).max() < 0.0015
-
-
-# It bends as it should
 
 
 @given(seeds)
@@ -130,14 +127,16 @@ def test_mujoco_bends_it_alike(skeleton: Skeleton) -> None:
             assert np.abs(drawn - expected[look.skin.part(name).vertices]).max() < 1e-6
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.full)])
-def test_no_triangle_folds_over_in_random_legal_poses(count: int) -> None:
-    assert not folds(ADULT, *flesh(), random_poses(ADULT, count, 1)).any()
-
-
-@pytest.mark.parametrize("skeleton", OTHERS[1:], ids=lambda s: f"{s.name} {s.side}")
-def test_no_triangle_of_another_hand_folds_over(skeleton: Skeleton) -> None:
-    assert not folds(skeleton, *flesh(skeleton), random_poses(skeleton, 15, 2)).any()
+@pytest.mark.parametrize(
+    ("skeleton", "count"),
+    [
+        (ADULT, 40),
+        *((other, 15) for other in OTHERS[1:]),
+        pytest.param(ADULT, 1000, marks=pytest.mark.full),
+    ],
+)
+def test_no_triangle_folds_over_in_random_legal_poses(skeleton: Skeleton, count: int) -> None:
+    assert not folds(skeleton, *flesh(skeleton), random_poses(skeleton, count, 1)).any()
 
 
 @given(seeds)
@@ -170,11 +169,19 @@ def test_longer_fingers_get_longer_skin_and_the_palm_keeps_its_own() -> None:
     )
     longer = Skeleton("longer", bones, ADULT.palm_radius)
     skin = builtin().fitted(longer)
-    rest, triangles, shares = skin.rest, skin.triangles, skin.shares
-    part = skin.part("skin")
-    palm = shares[:, 0] > 0.999
-    assert palm.sum() > 1000 and np.allclose(rest[palm], builtin().rest[palm], atol=1e-9)
+    palm = skin.shares[:, 0] > 0.999
+    assert palm.sum() > 1000 and np.allclose(skin.rest[palm], builtin().rest[palm], atol=1e-9)
     tip = Kinematics(longer).tips(np.zeros(POSE_SIZE))[2]
-    assert np.linalg.norm(rest - tip, axis=1).min() < 0.010
-    flat = rest[part.vertices], triangles[part.triangles], shares[part.vertices]
-    assert not folds(longer, *flat, random_poses(longer, 15, 3)).any()
+    assert np.linalg.norm(skin.rest - tip, axis=1).min() < 0.010
+    assert not folds(longer, *flesh(longer), random_poses(longer, 15, 3)).any()
+
+
+def test_its_command_writes_a_sound_gltf_file_or_one_line_of_an_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(tmp_path / "hand.glb")]) == 0
+    found = ask("validate", tmp_path / "hand.glb")
+    assert found["errors"] == 0, found["first"]
+    for wrong in ([], ["a.glb", "b.glb"], [str(tmp_path / "nowhere" / "hand.glb")]):
+        assert main(wrong) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1

@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import mujoco
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from models.arithmetic import Array
-from models.frames import FINGERS, Contact, TouchFrame
+from models.frames import FINGERS
 from models.hand import CONTACT_HAND, Hand
-from models.kinematics import Kinematics
 from models.objects import Box
 from models.rotations import exp
-from models.scene import CONTROL_PERIOD, TABLE, Scene, SceneSpec
+from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.trial.assembly import UPRIGHT_END, build
-from sandbox.trial.settings import Settings
-from tasks.box_to_goal import BoxToGoal
+from sandbox.trial.assembly import UPRIGHT_END
 from tasks.simulated_user.stacker import in_picture, roll
 from tasks.simulated_user.view import FrontView
 from tasks.stack import StackVertical
-from tasks.task import BELOW_TABLE, place_surface
+from tasks.task import place_surface
 from tasks.user import SeenObject
 
 places = st.floats(-0.5, 0.5)
@@ -51,51 +44,6 @@ def test_up_the_surface_is_up_in_the_world_and_out_of_it_is_towards_the_person(
     corners = upright.to_world(np.array([[0.0, 0.0], surface.size]))
     assert np.allclose(corners[:, 0], [-surface.size[0] / 2, surface.size[0] / 2])
     assert np.allclose(corners[:, 2], [low + surface.size[1], low])
-
-
-def test_a_task_is_played_flat_or_upright_as_it_says() -> None:
-    flat = place_surface(Surface(), BoxToGoal)
-    assert not flat.upright and flat.origin[2] == BoxToGoal.touch_height
-    _, height = UPRIGHT.size
-    lowest = UPRIGHT.to_world((0.1, height))
-    assert np.isclose(lowest[2], -BELOW_TABLE), "fingers beside a lying box are on the surface"
-    # The pad of a touching finger is 6 mm out of the surface: in the plane of the boxes' middles.
-    assert np.isclose(UPRIGHT.to_world((0.1, 0.1), 0.006)[1], 0.0)
-
-
-def touching(up: float) -> TouchFrame:
-    spots = [(0.07, 0.09), (0.13, 0.07), (0.132, 0.085)]
-    return TouchFrame(0.0, tuple(Contact(i, x, y - up) for i, (x, y) in enumerate(spots)))
-
-
-@pytest.mark.parametrize("up", [0.01, 0.04])
-def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up: float) -> None:
-    settings = Settings().changed(task="stack-vertical", smoothing=False)
-    session = build(settings, (lambda task, surface: _Still(),))
-    reconstructor: Any = session.rigs[0].reconstructor
-    kinematics = Kinematics(ADULT)
-
-    def settled(rise: float, begin: float) -> np.ndarray:
-        for k in range(100):
-            frame = touching(rise * min(k / 40, 1.0))
-            now = begin + k * CONTROL_PERIOD
-            found = reconstructor.step(TouchFrame(now, frame.contacts))
-        assert found.down
-        labels = [c.label for c in found.contacts]
-        return kinematics.tips(found.q)[labels]
-
-    before = settled(0.0, 0.0)
-    after = settled(up, 100 * CONTROL_PERIOD)
-    assert np.allclose(after - before, [0.0, 0.0, up], atol=1e-3)
-    assert np.allclose(before[:, 1], 0.0, atol=1e-3), "in the plane of the boxes' middles"
-
-
-def test_the_hand_waits_in_front_of_its_place_and_not_above_it() -> None:
-    session = build(Settings(task="stack-vertical"), (lambda task, surface: _Still(),))
-    tips = Kinematics(ADULT).tips(session.rigs[0].reconstructor.commanded)
-    middle = UPRIGHT.to_world(UPRIGHT.size / 2)
-    assert np.all(tips[:, 1] < -0.05)
-    assert np.linalg.norm((tips.mean(axis=0) - middle)[[0, 2]]) < 0.01
 
 
 @given(points, points)
@@ -152,31 +100,3 @@ def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid() -> N
         tip = data.xpos[body] + data.xmat[body].reshape(3, 3)[:, 1] * bone.length
         place = data.geom_xpos[scene.model.geom(last_links[f].tip_geom).id]
         assert np.linalg.norm(place - tip) < 1e-3, f
-
-
-@pytest.mark.parametrize("end", [None, UPRIGHT_END])
-def test_no_part_of_a_hand_ever_meets_the_table(end: float | None) -> None:
-    hand = Hand(solid_end=end)
-    scene = Scene(SceneSpec((hand,), (BOX,)))
-    model = scene.model
-    scene.set_solid(0, frozenset(range(len(FINGERS))), whole=True)
-    table = model.geom(TABLE).id
-    root = model.body(hand.element_name("palm")).rootid[0]
-    mine = np.flatnonzero(model.body_rootid[model.geom_bodyid] == root)
-    assert len(mine) > 20
-    meets = (model.geom_contype[mine] & model.geom_conaffinity[table]) | (
-        model.geom_contype[table] & model.geom_conaffinity[mine]
-    )
-    assert not meets.any()
-
-
-class _Still(Device):
-    """A device without touches."""
-
-    name, finished = "still", False
-
-    def poll(self, now: float) -> list[TouchFrame]:
-        return []
-
-    def close(self) -> None:
-        return None

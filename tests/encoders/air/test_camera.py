@@ -39,22 +39,22 @@ def test_the_edges_of_the_picture_are_the_field_of_view_apart() -> None:
     assert rays == pytest.approx(np.array([[-1.0, 0.0], [1.0, 0.0]]))
 
 
-def test_a_camera_that_faces_the_person_sees_their_right_on_its_left() -> None:
-    camera = Camera(at=(0.0, 0.45, 0.10))
-    x, y, z = camera.seen(np.array([[0.1, 0.0, 0.2]]))[0]
-    assert (x, y, z) == pytest.approx((-0.1, -0.1, 0.45))
-
-
-def test_a_camera_over_the_table_from_the_person_s_side_sees_as_they_do() -> None:
-    camera = Camera(at=(0.0, 0.0, 0.5), tilt=90.0, roll=180.0)
-    x, y, z = camera.seen(np.array([[0.1, 0.2, 0.0]]))[0]
-    assert (x, y, z) == pytest.approx((0.1, -0.2, 0.5))
-
-
-def test_a_camera_at_the_left_looks_to_the_right() -> None:
-    camera = Camera(at=(-0.5, 0.0, 0.0), pan=90.0)
-    x, y, z = camera.seen(np.array([[0.0, 0.1, 0.0]]))[0]
-    assert (x, y, z) == pytest.approx((-0.1, 0.0, 0.5))
+@pytest.mark.parametrize(
+    ("camera", "point", "seen"),
+    [
+        # It faces the person, and sees their right on its left.
+        (Camera(at=(0.0, 0.45, 0.10)), (0.1, 0.0, 0.2), (-0.1, -0.1, 0.45)),
+        # From over the table it sees as the person does.
+        (Camera(at=(0.0, 0.0, 0.5), tilt=90.0, roll=180.0), (0.1, 0.2, 0.0), (0.1, -0.2, 0.5)),
+        # At the left it looks to the right.
+        (Camera(at=(-0.5, 0.0, 0.0), pan=90.0), (0.0, 0.1, 0.0), (-0.1, 0.0, 0.5)),
+    ],
+    ids=["in front", "above", "at the left"],
+)
+def test_right_is_x_down_is_y_and_away_is_z_wherever_a_camera_stands(
+    camera: Camera, point: tuple[float, ...], seen: tuple[float, ...]
+) -> None:
+    assert camera.seen(np.array([point]))[0] == pytest.approx(seen)
 
 
 @pytest.mark.parametrize(

@@ -20,9 +20,6 @@ def capture() -> Capture:
     return builtin_capture().select(np.arange(0, len(builtin_capture()), 40))
 
 
-# Intervals
-
-
 def test_an_interval_over_takes_covers_where_independent_frames_do_not() -> None:
     """Takes of 50 frames that differ by more than their frames do."""
     covered, believed = 0, 0
@@ -37,13 +34,11 @@ def test_an_interval_over_takes_covers_where_independent_frames_do_not() -> None
     assert believed < 0.5 * 200
 
 
-def test_equal_values_leave_no_doubt_and_none_leave_nothing() -> None:
+def test_equal_values_leave_no_doubt_and_no_values_or_one_block_leave_no_interval() -> None:
     assert block_interval(np.full(9, 2.5), np.arange(9) // 3) == (2.5, 2.5)
     assert standard_error(np.full(9, 2.5)) == 0
     assert np.isnan(block_interval(np.empty(0), np.empty(0, int))).all()
-
-
-# The Copas test
+    assert np.isnan(block_interval(np.arange(5.0), np.zeros(5, int))).all()
 
 
 def test_on_random_frames_the_copas_test_sees_that_noise_was_fitted() -> None:

@@ -21,11 +21,8 @@ from encoders.evaluation.person_model import (
 )
 from encoders.regression.trained import TrainedModel, builtin_capture
 from encoders.regression.training import blocked_predictions
-from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
-from models.arithmetic import Array
+from encoders.validation import FOLDS, robust_covariance, trial_folds
 from models.pose import absolute_pose
-from tests.encoders.regression.turning import turned_pose
-from tests.support.simulation import legal_poses
 
 
 @cache
@@ -102,41 +99,22 @@ def test_where_on_the_surface_the_hand_is_does_not_matter(shift: tuple[float, fl
     np.testing.assert_allclose(found, moved, atol=1e-7)
 
 
-def test_on_what_it_was_trained_on_it_is_nearer_than_its_encoder_alone() -> None:
-    encoder = absolute_pose(mine().encoder.predict(sparse().u), sparse().leftmost)
-    corrected = estimate(PersonEstimate(mine(), 0.0), sparse())
-    assert error_product(corrected, sparse().q) < error_product(encoder, sparse().q)
-
-
-def test_the_winner_is_the_candidate_with_the_least_validated_error() -> None:
-    meta = mine().meta
-    corrected = {name: pair[1] for name, pair in meta["validated"].items()}
-    assert set(corrected) == set(CANDIDATES)
-    assert corrected[meta["winner"]] == min(corrected.values())
-
-
-def test_a_person_s_model_is_trained_once_and_anew_for_another_capture_or_a_damaged_file(
+def test_a_person_s_model_is_trained_once_and_anew_for_a_damaged_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    trained: list[int] = []
+    trained: list[str] = []
 
     def train(capture: Capture, name: str, progress: object = None) -> TrainedModel:
-        trained.append(len(capture))
-        return replace(mine(), training_u=capture.u, training_pose=capture.relative)
+        trained.append(name)
+        return mine()
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(person_models, "train_person", train)
-    first, again = person_model(sparse()), person_model(sparse())
+    assert person_model(sparse()).digest == person_model(sparse()).digest == mine().digest
     assert len(trained) == 1
-    u = takes().u[:50]
-    np.testing.assert_array_equal(first.encoder.predict(u), again.encoder.predict(u))
-    other = sparse().select(sparse().trial != sparse().trial[0])
-    person_model(other)
-    assert trained == [len(sparse()), len(other)]
-    for path in tmp_path.rglob("*.npz"):
-        path.write_bytes(b"no model")
-    person_model(sparse())
-    assert len(trained) == 3
+    (path,) = tmp_path.rglob("*.npz")
+    path.write_bytes(b"no model")
+    assert person_model(sparse()).digest == mine().digest and len(trained) == 2
 
 
 def test_predictions_of_a_take_are_made_without_it() -> None:
@@ -162,22 +140,6 @@ def test_folds_never_split_a_trial_and_leave_something_to_learn_from(trials: lis
     assert fold.shape == trial.shape and fold.min() >= 0 and fold.max() < FOLDS
     assert all(len(set(fold[trial == t])) == 1 for t in trials)
     assert len(set(fold)) == min(FOLDS, len(set(trials)))
-
-
-@given(a=legal_poses, b=legal_poses, seed=st.integers(0, 2**16))
-def test_badness_is_a_product_without_order_direction_or_place(
-    a: Array, b: Array, seed: int
-) -> None:
-    rng = np.random.default_rng(seed)
-    q = np.stack([a, b, a, b]) + rng.normal(0, 0.01, (4, 48))
-    truth = np.stack([b, a, a, b])
-    found = error_product(q, truth)
-    order = rng.permutation(4)
-    assert error_product(q[order], truth[order]) == pytest.approx(found, rel=1e-9)
-    assert error_product(truth, q) == pytest.approx(found, rel=1e-9)
-    angle, about = rng.uniform(-3, 3), rng.uniform(-1, 1, 2)
-    turned = turned_pose(q, angle, about), turned_pose(truth, angle, about)
-    assert error_product(*turned) == pytest.approx(found, rel=1e-9)
 
 
 @given(seed=st.integers(0, 2**16))

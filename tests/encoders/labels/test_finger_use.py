@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from encoders.labels.finger_use import odds_of_sets, parse_finger_sets
+from encoders.labels.finger_use import odds_of_first, odds_of_sets, parse_finger_sets
 from encoders.labels.labelling import finger_sets
 from encoders.labels.pair_network import USUAL_SETS
 from models.errors import InputError
@@ -26,6 +26,17 @@ def text_of(sets: dict[tuple[int, ...], float]) -> str:
 @given(ANY_SETS)
 def test_a_text_of_sets_is_read_as_written(sets: dict[tuple[int, ...], float]) -> None:
     assert parse_finger_sets(text_of(sets)) == sets
+
+
+@given(touches(), st.integers(3, 5))
+def test_a_hand_with_fewer_fingers_gets_only_their_names(contacts: Contacts, fingers: int) -> None:
+    whole, fewer = new_belief(), new_belief()
+    fewer.odds = odds_of_first(fingers)
+    free, labelling = whole.assign(contacts, {}), fewer.assign(contacts, {})
+    if not len(contacts) <= fingers < 5:
+        assert (labelling.labels, labelling.probability) == (free.labels, free.probability)
+    else:
+        assert max(labelling.labels.values()) < fingers
 
 
 @given(touches(), ANY_SETS)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from itertools import product
 from random import Random
-from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.labels.hand_split import HandSplitter, all_shares
+from encoders.labels.hand_split import HandSplitter
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
-from sandbox.devices.device import Device
 from sandbox.devices.wrappers.shared import SharedDevice, SplitByPlace
+from tests.support.scripted import Played
 
 HOMES = np.array([(0.30, 0.10), (0.10, 0.10)])
 """m, of a right and a left hand on 40 by 20 cm."""
@@ -93,17 +90,6 @@ def test_in_a_mirror_the_hands_change_and_nothing_else(n: int, m: int) -> None:
     assert [1 - hand for hand in found] == other
 
 
-def test_hands_that_cross_once_they_are_down_keep_their_contacts() -> None:
-    splitter = HandSplitter(HOMES)
-    start = dict(enumerate([*fan(HOMES[0], 3), *fan(HOMES[1], 3)]))
-    for step in range(60):
-        way = min(step / 50, 1.0) * 0.2
-        splitter.step(
-            frame(step, {i: (x - way if i < 3 else x + way, y) for i, (x, y) in start.items()})
-        )
-    assert [splitter.hand(i) for i in range(6)] == [0, 0, 0, 1, 1, 1]
-
-
 def test_a_finger_that_comes_back_beside_its_hand_belongs_to_it_far_from_its_home() -> None:
     splitter = HandSplitter(HOMES)
     away = dict(enumerate([(0.12, 0.05), (0.15, 0.05)]))
@@ -130,42 +116,19 @@ def test_what_is_cancelled_is_told_to_its_hand_alone() -> None:
     assert right.lift == left.lift == 0.5
 
 
-class Once(Device):
-    """A surface that tells each change once, and nothing while fingers rest."""
+class Once(Played):
+    """A surface that reports each change once, and nothing while fingers rest."""
 
-    name, finished = "once", False
-
-    def __init__(self, frames: list[TouchFrame]) -> None:
-        self.frames, self.closed = frames, 0
-
-    def poll(self, now: float) -> list[TouchFrame]:
-        due = [f for f in self.frames if f.time <= now]
-        self.frames = [f for f in self.frames if f.time > now]
-        return due
-
-    def close(self) -> None:
-        self.closed += 1
+    @property
+    def finished(self) -> bool:
+        return False
 
 
 def test_a_finger_that_rests_gets_its_hand_though_the_device_is_silent() -> None:
     shared = SharedDevice(Once([frame(0, {1: (0.3, 0.1), 2: (0.1, 0.1)})]), SplitByPlace(HOMES))
-    found: list[set[Any]] = [set(), set()]
+    found: list[set[int]] = [set(), set()]
     for step in range(6):
         for hand, part in enumerate(shared.parts):
             for each in part.poll(step * CONTROL_PERIOD):
                 found[hand] |= {c.id for c in each.contacts}
     assert found == [{1}, {2}]
-
-
-@pytest.mark.parametrize("room", [[5, 5], [2, 3], [0, 1], [5, 0], [0, 0]])
-@pytest.mark.parametrize("n", [1, 4, 6])
-def test_contacts_are_shared_in_every_way_that_leaves_no_more_without_a_hand_than_must_be(
-    n: int, room: list[int]
-) -> None:
-    without = max(n - sum(room), 0)
-    every = [
-        shares
-        for shares in product((0, 1, -1), repeat=n)
-        if shares.count(0) <= room[0] and shares.count(1) <= room[1] and shares.count(-1) == without
-    ]
-    assert list(all_shares(n, room)) == every

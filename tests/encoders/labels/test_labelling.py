@@ -8,10 +8,9 @@ from encoders.labels.labelling import hypotheses
 from models.errors import EncoderError
 
 
-@pytest.mark.parametrize(("count", "number"), [(1, 5), (2, 20), (3, 60), (4, 120), (5, 120)])
-def test_there_are_as_many_labellings_as_ways_to_pick_fingers(count: int, number: int) -> None:
+@pytest.mark.parametrize("count", range(1, 6))
+def test_every_way_to_pick_fingers_is_a_labelling(count: int) -> None:
     assert sorted(map(tuple, hypotheses(count).tolist())) == list(permutations(range(5), count))
-    assert len(hypotheses(count)) == number
 
 
 @pytest.mark.parametrize("count", [0, 6, -1])

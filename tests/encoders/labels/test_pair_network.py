@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from encoders.labels.belief import builtin_population_belief, from_weights, load_population_belief
-from encoders.labels.labelling import allowed, hypotheses
+from encoders.labels.belief import from_weights, load_population_belief
+from encoders.labels.labelling import hypotheses
 from encoders.labels.pair_network import NetworkEvidence, PairNetwork
 from models.errors import EncoderError
 from tests.support.npz_files import rewritten
@@ -63,31 +63,3 @@ def test_a_wrong_file_is_one_clear_error(tmp_path: Path, damage: Callable[[Any],
     rewritten(path, f2=damage(weights["f2"]))
     with pytest.raises(EncoderError):
         load_population_belief(path)
-
-
-def test_five_fingers_of_a_stranger_are_named_and_kept_and_help_with_fewer() -> None:
-    rng = np.random.default_rng(3)
-    # Distances of real layouts: thumb, index, middle, ring, little; metres, y down.
-    hand = 1e-3 * np.array([[0, 0], [35, -42], [60, -55], [83, -48], [104, -26]])
-    belief = builtin_population_belief()
-    five = {7 * f: tuple(hand[f]) for f in range(5)}
-    assert belief.assign(five, {}).labels == {7 * f: f for f in range(5)}
-    assert len(belief.own) == 1
-    belief.reset()
-    again = {f: tuple(hand[f] + rng.normal(0, 0.002, 2)) for f in (1, 2, 4)}
-    known = belief.assign(again, {})
-    stranger = builtin_population_belief()
-    stranger.assign(again, {})
-    truth = {f: f for f in again}
-    assert known.labels == truth
-    of_truth = allowed(belief._ids, truth)
-    assert belief._belief[of_truth] > stranger._belief[of_truth]
-
-
-def test_a_new_trial_begins_with_what_was_known_before_the_last_one() -> None:
-    hand = 1e-3 * np.array([[0, 0], [35, -42], [60, -55], [83, -48], [104, -26]])
-    belief = builtin_population_belief()
-    belief.assign({f: tuple(hand[f]) for f in range(5)}, {})
-    assert len(belief.own) == 1
-    belief.restart()
-    assert len(belief.own) == 0

@@ -66,24 +66,17 @@ def test_contact_vectors_of_labellings_are_those_of_single_labellings(
 
 
 @BY_NAME
-@given(contacts=touches(), shift=st.tuples(*[st.floats(-1.0, 1.0)] * 2))
-def test_moving_all_touches_moves_no_label(
-    name: str, contacts: dict[int, tuple[float, float]], shift: tuple[float, float]
-) -> None:
-    labeller = labeller_of(name)
-    moved = {i: (x + shift[0], y + shift[1]) for i, (x, y) in contacts.items()}
-    assert labeller.assign(moved, {}).labels == labeller.assign(contacts, {}).labels
-
-
-@BY_NAME
-@given(contacts=touches(), data=st.data())
-def test_the_order_of_contacts_and_their_numbers_do_not_matter(
-    name: str, contacts: dict[int, tuple[float, float]], data: st.DataObject
+@given(contacts=touches(), data=st.data(), shift=st.tuples(*[st.floats(-1.0, 1.0)] * 2))
+def test_the_place_of_all_contacts_their_order_and_their_numbers_do_not_matter(
+    name: str,
+    contacts: dict[int, tuple[float, float]],
+    data: st.DataObject,
+    shift: tuple[float, float],
 ) -> None:
     labeller = labeller_of(name)
     order = data.draw(st.permutations(list(contacts)))
     other = dict(zip(contacts, order, strict=True))
-    renamed = {other[i]: contacts[i] for i in order}
+    renamed = {other[i]: (contacts[i][0] + shift[0], contacts[i][1] + shift[1]) for i in order}
     labels = labeller.assign(contacts, {}).labels
     assert labeller.assign(renamed, {}).labels == {other[i]: f for i, f in labels.items()}
 
@@ -111,10 +104,8 @@ def test_fixed_labels_stay_and_every_contact_gets_a_finger_of_its_own(
         ({}, {}),
         ({i: (0.01 * i, 0.0) for i in range(6)}, {}),
         ({1: (float("nan"), 0.0)}, {}),
-        ({1: (0.0, float("inf")), 2: (0.0, 0.1)}, {}),
         ({1: (0.0, 0.0)}, {2: 0}),
         ({1: (0.0, 0.0)}, {1: 5}),
-        ({1: (0.0, 0.0)}, {1: -1}),
         ({1: (0.0, 0.0), 2: (0.1, 0.0)}, {1: 3, 2: 3}),
     ],
 )
@@ -192,14 +183,6 @@ def test_of_equal_pairs_the_first_query_and_its_first_point_win(
     P = rng.integers(0, span + 1, (points, width)).astype(float)
     Q = rng.integers(-span, span + 1, (30, width)).astype(float) + 0.5
     assert NearestNeighbour(P).closest(Q) == closest_of_all(Q, P)
-
-
-def test_equal_points_beyond_all_room_are_no_obstacle() -> None:
-    P = np.tile([[1.0, 2.0, 3.0]], (5000, 1))
-    P[:7] += 1.0
-    assert NearestNeighbour(P).closest(np.array([[9.0, 9.0, 9.0], [1.0, 2.0, 2.0]])) == Closest(
-        1, 7, 1.0
-    )
 
 
 def test_pairs_that_single_precision_cannot_part_are_parted() -> None:

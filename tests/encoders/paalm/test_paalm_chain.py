@@ -87,12 +87,6 @@ def test_where_a_limit_refuses_no_other_bend_comes_nearer() -> None:
     assert found.miss <= min(others) + 1e-4
 
 
-@given(st.floats(0.0, 100.0), st.floats(0.1, 9.0))
-def test_a_shorter_finger_is_a_more_bent_finger(pip: float, more: float) -> None:
-    chain = FingerChain(LENGTHS, TWO_THIRDS, hidden=0.45)
-    assert chain.chord(pip + more) < chain.chord(pip)
-
-
 def test_a_coupling_is_fitted_to_what_it_was_made_from_and_refused_without_motion() -> None:
     pip = np.linspace(0.0, 90.0, 50)
     fitted = Coupling.fitted(pip, 0.6 * pip + 4.0)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -21,7 +19,7 @@ from models.kinematics import Kinematics
 from models.pose import mirrored, violations
 from models.rotations import exp
 from models.skeleton import ADULT
-from tests.support.leap_hands import calibrated, take
+from tests.support.leap_hands import MIRROR, calibrated, changed_hand, take
 
 FINGER = st.tuples(st.floats(-15, 85), st.floats(-10, 10), st.floats(0, 105), st.floats(-8, 68))
 THUMB = st.tuples(st.floats(-35, 35), st.floats(-35, 35), st.floats(0, 70), st.just(0.0))
@@ -49,14 +47,7 @@ def joints_in_palm(q: np.ndarray, rotation: np.ndarray) -> np.ndarray:
 
 @given(st.tuples(THUMB, FINGER, FINGER, FINGER, FINGER), TURN)
 def test_the_hands_joints_show_the_angles_it_was_given(
-    rows: tuple[
-        tuple[float, float, float, float],
-        tuple[float, float, float, float],
-        tuple[float, float, float, float],
-        tuple[float, float, float, float],
-        tuple[float, float, float, float],
-    ],
-    turn: list[float],
+    rows: tuple[tuple[float, float, float, float], ...], turn: list[float]
 ) -> None:
     palm = palm_of(seen_hand(turn), "right")
     q = hand_pose(rows, palm)
@@ -89,17 +80,7 @@ def test_the_palm_is_the_root_and_the_devices_place_is_added() -> None:
 def test_a_left_pose_is_the_mirror_image_of_a_right_one(turn: list[float]) -> None:
     rows = np.tile([20.0, 3.0, 30.0, 20.0], (5, 1))
     right = seen_hand(turn)
-
-    def flip(v: tuple[float, float, float]) -> tuple[float, float, float]:
-        return -v[0], v[1], v[2]
-
-    left = replace(
-        right,
-        palm=flip(right.palm),
-        normal=flip(right.normal),
-        direction=flip(right.direction),
-        side="left",
-    )
+    left = changed_hand(right, MIRROR)
     np.testing.assert_allclose(
         hand_pose(rows, palm_of(left, "left"), "left"),
         mirrored(hand_pose(rows, palm_of(right, "right"))),

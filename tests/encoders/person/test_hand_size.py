@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,23 +10,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.capture import Capture
-from encoders.captures.subject import FROZEN, SEED, simulate
-from encoders.input_vector import contact_vectors
 from encoders.person.hand_size import builtin_sizes
 from encoders.person.natural_layout import of_capture
 from encoders.reconstruction.reconstructor import Reconstruction
-from encoders.regression.trained import builtin, builtin_capture
+from encoders.regression.trained import builtin_capture
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from models.person import Person
-from models.pose import absolute_pose
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.simulated.spreads import _SPREADS, spread_layout
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import HandSettings, Settings
+from tests.encoders.regression.turning import turned_places
 from tests.support.scripted import Script
 
 GRASP = np.array([(-0.03, 0.03), (0.0, -0.03), (0.025, -0.035), (0.045, -0.025), (0.055, 0.0)])
@@ -39,11 +35,6 @@ CROSS = 0.02 * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)])
 def someone(size: float = 1.0) -> list[np.ndarray]:
     """Three spreads (5, 2) m of a person who is not the trained subject, thumb first."""
     return [size * spread_layout(ADULT, *np.deg2rad(spread)) * [1.0, -1.0] for spread in _SPREADS]
-
-
-def turned(xy: np.ndarray, angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    return xy @ np.array([[c, s], [-s, c]])
 
 
 def reconstructed(size: float, touched: float) -> tuple[Surface, list[Reconstruction]]:
@@ -92,7 +83,9 @@ def test_the_size_does_not_depend_on_place_turn_or_order_and_grows_with_the_touc
     size: float, angle: float, order: list[int], x: float
 ) -> None:
     plain = builtin_sizes().estimate(someone())
-    moved = [turned(size * xy, angle)[list(order)] + [x, 2 * x] for xy in someone()]
+    moved = [
+        turned_places(size * xy, angle, (0.0, 0.0))[list(order)] + [x, 2 * x] for xy in someone()
+    ]
     found = builtin_sizes().estimate([moved[2], moved[0], moved[1]])
     assert found.ratio == pytest.approx(size * plain.ratio, rel=1.5e-3)
     assert found.low == pytest.approx(size * plain.low, rel=1.5e-3)
@@ -131,29 +124,9 @@ def test_layouts_that_do_not_determine_the_size_are_refused(
 def test_five_fingers_are_told_apart_however_the_hand_is_turned(
     angle: float, size: float, order: list[int]
 ) -> None:
-    # A turn of the surface's frame, whose y points down, is clockwise seen from above.
-    xy = turned(size * someone()[0], -angle)[list(order)] + [0.1, 0.2]
+    xy = turned_places(size * someone()[0], angle, (0.0, 0.0))[list(order)] + [0.1, 0.2]
     layout = of_capture(builtin_capture())
     match = layout.match(xy)
     assert match.labels.tolist() == list(order)
     straight = layout.match(someone()[0]).turn
     assert np.cos(match.turn - straight - angle) > 1 - 1e-9
-
-
-QUICK = replace(FROZEN, test_frames=(60, 60, 60, 60))
-
-
-def small_hand(size: float) -> Capture:
-    return simulate(QUICK, SEED, 4, skeleton=ADULT.scaled(size))
-
-
-@pytest.mark.parametrize("size", [0.85, 1.15])
-def test_touches_scaled_to_the_trained_hand_bring_the_wrist_nearer(size: float) -> None:
-    capture, encoder = small_hand(size), builtin("quadratic").encoder
-
-    def error(used: float) -> float:
-        u, leftmost = contact_vectors(capture.xy / used)
-        q = absolute_pose(encoder.predict(u), leftmost)
-        return float(np.linalg.norm(used * q[:, :3] - capture.q[:, :3], axis=1).mean())
-
-    assert error(size) < 0.95 * error(1.0)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,16 +13,14 @@ from hypothesis import strategies as st
 from encoders.input_vector import contact_vector
 from encoders.person.natural_layout import YawMonitor, YawRange, YawWarningSettings
 from encoders.regression.trained import builtin_capture
-from models.frames import Contact, TouchFrame
+from models.frames import Contact
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.cli import run
-from sandbox.devices.device import Device
 from sandbox.devices.simulated.spreads import spread_layout
-from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import play_trial
 from sandbox.trial.settings import HandSettings, Settings
+from tests.encoders.regression.turning import turned_places
+from tests.support.scripted import Script
 
 
 @cache
@@ -44,17 +40,11 @@ def middle() -> float:
     return float(trained_range().turn(contact_vector(dict(enumerate(map(tuple, natural()))))))
 
 
-def turned(xy: np.ndarray, angle: float) -> np.ndarray:
-    """Counterclockwise as seen on the screen, whose y points down."""
-    c, s = np.cos(angle), np.sin(angle)
-    return xy @ np.array([[c, -s], [s, c]])
-
-
 def u_of(
     turn: float, fingers: Iterable[int] = range(5), names: Iterable[int] | None = None
 ) -> np.ndarray:
     """Contact vector of a hand at a turn, with the names its fingers got."""
-    xy = turned(natural(), turn - middle()) / METRES_PER_INCH
+    xy = turned_places(natural(), turn - middle(), (0.0, 0.0)) / METRES_PER_INCH
     names = list(fingers) if names is None else names
     pairs = zip(names, fingers, strict=True)
     return contact_vector({int(n): (float(xy[f, 0]), float(xy[f, 1])) for n, f in pairs})
@@ -76,14 +66,11 @@ def test_the_turn_of_four_or_five_touches_does_not_depend_on_what_they_are_calle
 
 
 @given(turn=st.floats(-3.1, 3.1), fingers=st.sampled_from([(0, 1), (0, 1, 2), (1, 2, 3), (2, 4)]))
-def test_the_turn_of_two_or_three_touches_is_that_of_their_names(
+def test_the_turn_of_two_or_three_touches_is_that_of_their_names_and_one_touch_has_none(
     turn: float, fingers: tuple[int, ...]
 ) -> None:
     assert np.cos(trained_range().turn(u_of(turn, fingers)) - turn) > np.cos(np.deg2rad(25.0))
-
-
-def test_one_touch_has_no_turn() -> None:
-    assert trained_range().turn(u_of(0.3, (1,))) is None
+    assert trained_range().turn(u_of(turn, fingers[:1])) is None
 
 
 def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle() -> None:
@@ -145,68 +132,27 @@ def test_lifting_and_landing_again_is_no_new_warning() -> None:
     assert watch.warnings == 1
 
 
-def natural_touches(turn: float, surface: Surface) -> tuple[Contact, ...]:
-    xy = turned(natural(), turn - middle()) + surface.size / 2
-    return tuple(Contact(i, float(x), float(y)) for i, (x, y) in enumerate(xy))
+def resting(turn: float, seat: int = 0, watched: bool = True) -> tuple[list[str], str]:
+    """Notices about turning of a session, step by step, in which five fingers of a turned hand
+    rest, and its state hash; a hand that rests may also be told that it is in the box."""
 
+    def device(task: object, surface: Surface) -> Script:
+        xy = turned_places(natural(), turn - middle(), (0.0, 0.0)) + surface.size / 2
+        contacts = [Contact(i, float(x), float(y)) for i, (x, y) in enumerate(xy)]
+        return Script(lambda now: contacts if now > 0.2 else ())
 
-class Resting(Device):
-    """A device on which five fingers of a turned hand rest for some seconds."""
-
-    name = "script"
-
-    def __init__(self, surface: Surface, turn: float, seconds: float = 3.0) -> None:
-        self.contacts = natural_touches(turn, surface)
-        self.seconds, self.now = seconds, 0.0
-
-    @property
-    def finished(self) -> bool:
-        return self.now >= self.seconds
-
-    def poll(self, now: float) -> list[TouchFrame]:
-        self.now = now
-        return [TouchFrame(now, self.contacts if now > 0.2 else ())]
-
-    def close(self) -> None:
-        pass
-
-
-def notices_of(settings: Settings, turn: float) -> list[str]:
-    session = build(settings, (lambda task, surface: Resting(surface, turn),))
-    return [about_turning(session.advance()) for _ in range(150)]
-
-
-def about_turning(snapshot: Snapshot) -> str:
-    """A hand that rests may also be told that it is in the box."""
-    return "; ".join(n for n in snapshot.notices if "--turn" in n)
+    session = build(Settings(hands=(HandSettings(turn=seat),)), (device,))
+    if not watched:
+        session.rigs[0].yaw = None
+    snapshots = [session.advance() for _ in range(150)]
+    notices = ["; ".join(n for n in s.notices if "--turn" in n) for s in snapshots]
+    return notices, session.state_hash
 
 
 def test_a_person_at_the_far_side_of_the_screen_is_warned_unless_the_seat_is_set() -> None:
-    far = notices_of(Settings(), np.pi)
-    assert far[-1] and len(set(far) - {""}) == 1
-    assert not any(notices_of(Settings(hands=(HandSettings(turn=180),)), np.pi))
-    assert not any(notices_of(Settings(), 0.0))
-
-
-def test_the_warning_changes_no_state_of_the_simulation() -> None:
-    hashes = []
-    for watched_too in (True, False):
-        session = build(Settings(), (lambda task, surface: Resting(surface, np.pi),))
-        if not watched_too:
-            session.rigs[0].yaw = None
-        for _ in range(100):
-            session.advance()
-        hashes.append(session.state_hash)
-    assert hashes[0] == hashes[1]
-
-
-def test_the_events_of_a_run_hold_one_warning(tmp_path: Path) -> None:
-    recorded, events = tmp_path / "far.jsonl", tmp_path / "events.jsonl"
-    play_trial(Settings(), (lambda task, surface: Resting(surface, np.pi),), record=recorded)
-    assert run.main(["--device", str(recorded), "--events", str(events)]) == 0
-    told = [json.loads(line) for line in events.read_text().splitlines()]
-    warnings = [e for e in told if e["event"] == "warning"]
-    assert len({w["what"] for w in warnings}) == len(warnings)
-    warnings = [w for w in warnings if "--turn" in w["what"]]
-    assert len(warnings) == 1
-    assert warnings[0]["time_s"] < 2.0
+    notices, warned = resting(np.pi)
+    assert notices[-1] and len(set(notices) - {""}) == 1
+    assert not any(resting(np.pi, seat=180)[0])
+    assert not any(resting(0.0)[0])
+    # The warning changes no state of the simulation.
+    assert resting(np.pi, watched=False)[1] == warned

@@ -15,7 +15,6 @@ from encoders.evaluation.person_model import train_person
 from encoders.regression.bone_fit import perturbed_skeleton
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
 from encoders.regression.trained import (
-    BUILTIN,
     PersonCorrection,
     TrainedModel,
     builtin,
@@ -81,15 +80,6 @@ def path(model: TrainedModel, tmp_path: Path) -> Path:
     return path
 
 
-def test_a_saved_model_comes_back_to_the_bit(model: TrainedModel, path: Path) -> None:
-    read = load_model(path)
-    assert read.digest == model.digest and read.meta == model.meta and read.name == "mine"
-    np.testing.assert_array_equal(
-        read.encoder.predict(model.training_u), model.encoder.predict(model.training_u)
-    )
-    np.testing.assert_array_equal(read.residual_covariance, model.residual_covariance)
-
-
 @pytest.mark.parametrize("training", (True, False))
 def test_a_yaw_normalised_encoder_and_its_correction_come_back_to_the_bit(
     corrected: TrainedModel, capture: Capture, training: bool, tmp_path: Path
@@ -134,28 +124,9 @@ def test_the_digest_sees_every_part(model: TrainedModel) -> None:
     assert replace(model, name="other").digest == model.digest
 
 
-def test_covariance_is_that_of_errors_on_takes_not_seen(
-    model: TrainedModel, capture: Capture
-) -> None:
-    C = model.residual_covariance
-    np.testing.assert_allclose(C, C.T, atol=1e-12)
-    assert np.linalg.eigvalsh(C).min() > -1e-9
-    seen = capture.relative - model.encoder.predict(capture.u)
-    assert np.trace(C) > 0.9 * np.trace(seen.T @ seen / len(seen))
-
-
 def test_one_take_alone_is_refused(capture: Capture) -> None:
     with pytest.raises(EncoderError, match="2 trials"):
         train(capture.select(capture.trial == 0), "mine", 1, 0.0)
-
-
-@pytest.mark.parametrize("name", BUILTIN)
-def test_built_in_models_are_trained_on_the_built_in_capture(name: str) -> None:
-    model, capture = builtin(name), builtin_capture()
-    assert model.meta["capture"] == capture.meta and model.meta["simulated"] is True
-    np.testing.assert_array_equal(model.training_u, np.float32(capture.u))
-    error = model.encoder.predict(capture.u) - capture.relative
-    assert np.linalg.norm(error[:, :3], axis=1).mean() < 0.05
 
 
 def test_the_papers_model_is_least_squares_on_the_built_in_capture() -> None:
@@ -174,21 +145,15 @@ def test_the_papers_model_is_least_squares_on_the_built_in_capture() -> None:
     (
         {"coef": None},
         {"coef": np.zeros((15, 48), np.float32)},
-        {"coef": np.zeros((16, 47), np.float32)},
         {"coef": np.zeros((16, 48), int)},
         {"covariance": np.full((48, 48), np.nan, np.float32)},
         {"training_u": np.zeros((3, 15), np.float32)},
         {"training_pose": np.full((355, 48), np.inf, np.float32)},
-        {"header": header_of('{"schema": 2}')},
         {"header": header_of('{"schema": 1, "kind": "polynomial", "degree": 1, "meta": {}}')},
         {"header": said(meta=None)},
         {"header": said(kind="deep")},
-        {"header": said(degree=9)},
         {"header": said(degree=True)},
-        {"header": said(degree=3)},
         {"header": said(ridge=-1.0)},
-        {"header": said(ridge=float("nan"))},
-        {"header": said(ridge=10**400)},
         {"header": said(kind="turned", turned_ridge=0.1)},
         {"header": said(distrust=1.0)},
     ),
@@ -206,19 +171,14 @@ def test_a_file_with_a_wrong_part_is_refused_in_one_clear_line(
     "changes",
     (
         {"coef": np.zeros((136, 48), np.float32)},
-        {"coef": np.zeros((3, 816, 48), np.float32)},
         {"coef": np.full((3, 136, 48), np.nan, np.float32)},
         {"anchors": None},
         {"anchors": np.zeros((15, 3), np.float32)},
         {"lengths": np.zeros(14, np.float32)},
-        {"lengths": np.ones((14, 1), np.float32)},
         {"tip_variance": np.array([1e-6, 1e-6, -1e-6], np.float32)},
-        {"tip_variance": np.full(3, np.nan, np.float32)},
         {"header": said_turned(kind="polynomial", degree=2)},
         {"header": said_turned(turned_ridge=None)},
-        {"header": said_turned(distrust=0.0)},
         {"header": said_turned(distrust=float("nan"))},
-        {"header": said_turned(distrust=True)},
     ),
 )
 def test_a_turned_encoder_or_correction_with_a_wrong_part_is_refused(
@@ -228,16 +188,6 @@ def test_a_turned_encoder_or_correction_with_a_wrong_part_is_refused(
     with pytest.raises(EncoderError, match=r"turned\.npz") as error:
         load_model(corrected_path)
     assert "\n" not in str(error.value)
-
-
-def test_the_command_trains_on_a_capture(
-    capture: Capture, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    save_capture(capture, tmp_path / "c.npz")
-    line = ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(tmp_path / "m.npz")]
-    assert main([*line, "--degree", "1", "--ridge", "0"]) == 0
-    assert "simulated" in capsys.readouterr().out
-    assert load_model(tmp_path / "m.npz").digest == train(capture, "m", 1, 0.0).digest
 
 
 def test_without_a_degree_the_command_trains_what_wins(

@@ -12,7 +12,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.arithmetic import Array
 from models.errors import InputError
 from models.hand import Hand
 from models.mechanisms.mechanism import Mechanism
@@ -50,10 +49,6 @@ def built(**values: Any) -> tuple[Mechanism, Scene, mujoco.MjData]:
     return desk, scene, data
 
 
-def yaw_of(rotation: Array) -> float:
-    return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
-
-
 @settings(max_examples=15, deadline=None)
 @given(
     out=st.floats(0.0, 0.06),
@@ -61,15 +56,26 @@ def yaw_of(rotation: Array) -> float:
     yaw=st.floats(-3.0, 3.0),
     size=st.sampled_from([1.0, 0.5, 2.0]),
 )
-def test_every_part_starts_where_it_says(
+def test_every_part_starts_where_it_says_and_as_if_its_joint_had_moved_there(
     out: float, opened: float, yaw: float, size: float
 ) -> None:
     start = {"drawer": size * out, "lid": opened}
-    desk, scene, data = built(position=(0.1, -0.05, 0.01), yaw=yaw, start=start, size=size)
+    place = {"position": (0.1, -0.05, 0.01), "yaw": yaw, "size": size}
+    desk, scene, data = built(**place, start=start)
+    _, moved, there = built(**place)
+    for name, value in start.items():
+        there.joint(f"desk/{name}").qpos[:] = value
+    mujoco.mj_forward(moved.model, there)
     for part in desk.parts:
-        position, rotation = scene.object_pose(data, part.name)
-        np.testing.assert_allclose(position, part.position, atol=1e-8)
-        assert yaw_of(rotation) == pytest.approx(part.yaw, abs=1e-7)
+        for found in (scene.object_pose(data, part.name), moved.object_pose(there, part.name)):
+            np.testing.assert_allclose(found[0], part.position, atol=1e-8)
+            yaw_found = np.arctan2(found[1][1, 0], found[1][0, 0])
+            assert yaw_found == pytest.approx(part.yaw, abs=1e-7)
+    np.testing.assert_allclose(
+        built(**place)[0].part("drawer").placed(size * out)[0],
+        desk.part("drawer").position,
+        atol=1e-12,
+    )
     sensing = Sensing(scene, data)
     assert sensing.joint("desk/drawer").share == pytest.approx(out / 0.06, abs=1e-6)
     assert sensing.joint("desk/lid").position == pytest.approx(opened, abs=1e-6)
@@ -87,21 +93,6 @@ def test_the_lowest_point_of_a_part_is_as_high_as_mujoco_measures_it(size: float
         geoms = np.flatnonzero(model.geom_bodyid == scene.object_bodies[part.name])
         far = min(mujoco.mj_geomDistance(model, data, g, top, 10.0, None) for g in geoms)
         assert part.lowest == pytest.approx(far - 0.5, abs=2e-5)
-
-
-def test_a_start_is_the_same_as_the_joint_moved_there() -> None:
-    _, moved, data = built()
-    for name, value in (("desk/drawer", 0.04), ("desk/lid", 1.2)):
-        data.joint(name).qpos[:] = value
-    mujoco.mj_forward(moved.model, data)
-    started, _, _ = built(start={"drawer": 0.04, "lid": 1.2})
-    for part in started.parts:
-        position, rotation = moved.object_pose(data, part.name)
-        np.testing.assert_allclose(part.position, position, atol=1e-8)
-        assert part.yaw == pytest.approx(yaw_of(rotation), abs=1e-7)
-    place, yaw = built()[0].part("drawer").placed(0.04)
-    np.testing.assert_allclose(place, started.part("drawer").position, atol=1e-12)
-    assert yaw == started.part("drawer").yaw
 
 
 @pytest.mark.parametrize("size", [1.0, 0.5, 2.0])
@@ -154,18 +145,6 @@ def test_parts_of_one_mechanism_meet_only_through_their_joints_and_never_the_tab
         assert data.ncon == 0
 
 
-def test_a_thing_rests_on_a_fixed_mechanism_and_pushes_its_drawer() -> None:
-    desk = Mechanism("desk", DESK)
-    box = Box("box", (0.01, 0.01, 0.01), 0.1, (0.04, -0.04, 0.046))
-    scene = Scene(SceneSpec((), (*desk.parts, box)))
-    data = mujoco.MjData(scene.model)
-    mujoco.mj_step(scene.model, data, 300)
-    sensing = Sensing(scene, data)
-    assert sensing.touching("box", "desk/lid") or sensing.touching("box", "desk/drawer")
-    assert not sensing.object("box").on_table
-    assert sensing.object("desk").speed == 0.0
-
-
 def test_a_free_mechanism_falls_with_all_that_it_carries() -> None:
     free = DESK.replace("<body>", "<body><freejoint/>", 1)
     crate = Mechanism("crate", free, (0.0, 0.0, 0.1))
@@ -181,10 +160,7 @@ BASE = '<geom type="box" size=".06 .05 .002" pos="0 0 .002"/>'
 MASSLESS = BASE.replace("/>", ' mass="0"/>')
 
 
-@pytest.mark.parametrize(
-    "base",
-    ["", MASSLESS, f"<body>{MASSLESS}</body>"],
-)
+@pytest.mark.parametrize("base", ["", MASSLESS, f"<body>{MASSLESS}</body>"])
 def test_a_fixed_base_needs_neither_mass_nor_geoms(base: str) -> None:
     light = Mechanism("desk", DESK.replace(BASE, base))
     heavy = Mechanism("desk", DESK)
@@ -217,9 +193,7 @@ DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
         "<mujoco><worldbody><bdy/></worldbody></mujoco>",
         f"<mujoco><worldbody><body>{BOX}</body><body>{BOX}</body></worldbody></mujoco>",
         DESK.replace('range="0 .06"', ""),
-        DESK.replace('range="0 .06"', 'range=".04 0"'),
         DESK.replace('range="0 .06"', 'range="0 60"'),
-        DESK.replace('range="0 100"', ""),
         *(
             sub(f' {part}="[^"]*"', f' {part}="{value}"', DESK, count=1)
             for part in ("damping", "frictionloss", "armature")
@@ -242,15 +216,10 @@ def test_what_is_no_mechanism_is_refused_in_one_line(mjcf: str) -> None:
 @pytest.mark.parametrize(
     "values",
     [
-        {"name": "table"},
-        {"name": "two\nlines"},
-        {"size": 0.0},
-        {"resistance": -1.0},
-        {"position": (0.1, 0.2)},
-        {"position": 0.1},
-        {"start": {"door": 0.0}},
-        {"start": {"drawer": 0.07}},
-        {"start": {"lid": 80.0}},
+        *({"name": name} for name in ("table", "two\nlines")),
+        *({"size": 0.0}, {"resistance": -1.0}),
+        *({"position": place} for place in ((0.1, 0.2), 0.1)),
+        *({"start": start} for start in ({"door": 0.0}, {"drawer": 0.07}, {"lid": 80.0})),
     ],
 )
 def test_values_out_of_range_are_refused(values: dict[str, Any]) -> None:
@@ -275,7 +244,8 @@ def test_a_joint_without_end_stops_turns_on_and_has_no_share() -> None:
 
 def beside(distance: float, skin: float = 0.0) -> tuple[float, bool, float]:
     """A fingertip at rest above a part, m from its surface: the force between them in N, whether a
-    task is told that the finger touches the part, and how far the part says that it is, m."""
+    task sees that the finger touches the part, and the height of its surface by its clearance, m.
+    """
     mjcf = f"""<mujoco><worldbody><body>
      <geom size=".01" contype="0" conaffinity="0"/><body name="key">
      <joint type="slide" axis="0 0 -1" range="0 .01" armature="1"/>

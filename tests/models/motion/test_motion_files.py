@@ -83,9 +83,9 @@ thigh -5 5
 """
 
 TSV = (
-    "NO_OF_FRAMES\t3\nNO_OF_MARKERS\t2\nFREQUENCY\t50\nTIME_STAMP\t2030-01-01\n"
+    "NO_OF_FRAMES\t4\nNO_OF_MARKERS\t2\nFREQUENCY\t50\nTIME_STAMP\t2030-01-01\n"
     "MARKER_NAMES\ta\tb\nTRAJECTORY_TYPES\tMeasured\tMeasured\n"
-    "1.0\t2.0\t3.0\t4.0\t5.0\t6.0\n0\t0\t0\t4.5\t5.5\t6.5\n1\t2\t3\t\t\t\n"
+    "1.0\t2.0\t3.0\t4.0\t5.0\t6.0\n\t\t\t\t\t\n0\t0\t0\t4.5\t5.5\t6.5\n1\t2\t3\t\t\t\n"
 )
 
 SOUND = {"bvh": BVH, "asf": ASF, "amc": AMC, "tsv": TSV}
@@ -103,17 +103,16 @@ def read(path: Path) -> Motion | AcclaimSkeleton | MarkerTracks:
     return readers[kind](path)
 
 
-def written(folder: Path, kind: str, text: str) -> Path:
+def written(folder: Path, kind: str, content: str | bytes) -> Path:
     path = folder / f"file.{kind}"
-    path.write_text(text)
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
     return path
 
 
-def bone_lengths(motion: Motion) -> np.ndarray:
-    """(T, J - 1) m, distance of every joint from its parent."""
-    places = motion.place().positions
-    pairs = [(j, p) for j, p in enumerate(motion.parents) if p >= 0]
-    return np.stack([np.linalg.norm(places[:, j] - places[:, p], axis=1) for j, p in pairs], 1)
+def as_motion(path: Path) -> Motion:
+    motion = read(path)
+    assert isinstance(motion, Motion)
+    return motion
 
 
 def test_a_bvh_turns_in_the_order_of_its_channels_about_axes_that_turn_along(
@@ -134,9 +133,7 @@ def test_a_bvh_turns_in_the_order_of_its_channels_about_axes_that_turn_along(
 
 
 def test_an_acclaim_bone_turns_about_fixed_axes_of_its_own_frame(tmp_path: Path) -> None:
-    motion = read(written(tmp_path, "amc", AMC))
-    assert isinstance(motion, Motion)
-    placed = motion.place()
+    placed = as_motion(written(tmp_path, "amc", AMC)).place()
     metre = 0.0254 / 0.5
     rest = Rotation.from_euler("xyz", [10, 20, 30], degrees=True)
     tilt = Rotation.from_euler("z", 90, degrees=True)
@@ -151,71 +148,41 @@ def test_an_acclaim_bone_turns_about_fixed_axes_of_its_own_frame(tmp_path: Path)
         np.testing.assert_allclose(placed.ends[t, 2], metre * foot, atol=1e-12)
 
 
-def test_markers_that_were_not_seen_are_missing_and_others_keep_their_place(tmp_path: Path) -> None:
-    tracks = read_markers(written(tmp_path, "tsv", TSV))
-    assert tracks.names == ("a", "b")
-    np.testing.assert_allclose(tracks.time, [0, 0.02, 0.04])
+@pytest.mark.parametrize(
+    "content",
+    (
+        TSV,
+        TSV.replace(".", ","),
+        gzip.compress(TSV.encode()),
+    ),
+    ids=("plain", "decimal commas", "packed"),
+)
+def test_markers_and_frames_that_were_not_seen_are_missing_and_others_keep_their_place(
+    tmp_path: Path, content: str | bytes
+) -> None:
+    tracks = read_markers(written(tmp_path, "tsv", content))
+    assert tracks.names == ("a", "b") and not tracks.report
+    np.testing.assert_allclose(tracks.time, [0, 0.02, 0.04, 0.06])
     np.testing.assert_allclose(tracks.places[0], [[0.001, 0.002, 0.003], [0.004, 0.005, 0.006]])
-    np.testing.assert_array_equal(
-        np.isnan(tracks.places).all(axis=2), [[False, False], [True, False], [False, True]]
-    )
-
-
-@pytest.mark.parametrize("row", (6, 7, 8))
-def test_a_frame_in_which_no_marker_was_seen_is_a_frame(tmp_path: Path, row: int) -> None:
-    lines = TSV.splitlines()
-    lines[row] = "\t" * 5
-    tracks = read_markers(written(tmp_path, "tsv", "\n".join(lines) + "\n"))
-    np.testing.assert_allclose(tracks.time, [0, 0.02, 0.04])
-    assert np.isnan(tracks.places[row - 6]).all()
-
-
-def test_a_packed_file_reads_like_a_plain_one(tmp_path: Path) -> None:
-    plain = read_markers(written(tmp_path, "tsv", TSV))
-    packed = tmp_path / "packed.tsv.gz"
-    packed.write_bytes(gzip.compress(TSV.encode()))
-    np.testing.assert_array_equal(read_markers(packed).places, plain.places)
-
-
-def test_bones_of_a_real_hand_keep_their_lengths_in_every_frame(shared_data: Path) -> None:
-    motion = read_bvh(shared_data / "formats" / "fingers.bvh")
-    assert len(motion) == 69 and len(motion.names) == 55
-    lengths = bone_lengths(motion)
-    np.testing.assert_allclose(lengths, np.broadcast_to(lengths[0], lengths.shape), atol=1e-12)
-    # An adult's index finger, first phalanx.
-    index = [motion.index(f"mixamorig:RightHandIndex{i}") for i in (1, 2)]
-    places = motion.place().positions[:, index]
-    assert 0.03 < np.linalg.norm(places[0, 1] - places[0, 0]) < 0.05
+    missing = [[False, False], [True, True], [True, False], [False, True]]
+    np.testing.assert_array_equal(np.isnan(tracks.places).all(axis=2), missing)
 
 
 def test_a_real_body_keeps_its_bones_and_its_feet_above_the_floor(shared_data: Path) -> None:
     folder = shared_data / "formats"
     motion = read_amc(folder / "backflip.amc", read_asf(folder / "backflip.asf"))
     assert len(motion) == 247 and len(motion.names) == 31
-    lengths = bone_lengths(motion)
-    np.testing.assert_allclose(lengths, np.broadcast_to(lengths[0], lengths.shape), atol=1e-12)
-    ends = motion.place().ends
-    # Each bone begins where its parent ends.
-    places = motion.place().positions
+    places, ends = motion.place().positions, motion.place().ends
     for j, p in enumerate(motion.parents):
+        if p >= 0:
+            lengths = np.linalg.norm(places[:, j] - places[:, p], axis=1)
+            np.testing.assert_allclose(lengths, lengths[0], atol=1e-12)
         if p > 0:
+            # Each bone begins where its parent ends.
             np.testing.assert_allclose(places[:, j], ends[:, p], atol=1e-12)
     height = np.nanmax(ends[0, :, 1]) - np.nanmin(ends[0, :, 1])
     assert 1.4 < height < 2.0
     assert -0.02 < np.nanmin(ends[..., 1]) < 0.02
-
-
-def test_real_markers_lie_on_one_hand(shared_data: Path) -> None:
-    tracks = read_markers(shared_data / "formats" / "hand-markers.tsv.gz")
-    assert len(tracks) == 6000 and len(tracks.names) == 21
-    np.testing.assert_allclose(tracks.time[-1], 59.99)
-    hand = tracks.places[:, :13]
-    span = np.nanmax(hand, axis=1) - np.nanmin(hand, axis=1)
-    assert np.nanmax(span) < 0.25
-    # The plate on the back of the hand is rigid.
-    plate = [tracks.names.index(f"hand_{side}") for side in ("left", "right")]
-    distance = np.linalg.norm(tracks.places[:, plate[0]] - tracks.places[:, plate[1]], axis=1)
-    assert np.nanstd(distance) < 0.001
 
 
 @pytest.mark.parametrize(
@@ -223,40 +190,28 @@ def test_real_markers_lie_on_one_hand(shared_data: Path) -> None:
     (
         ("bvh", "HIERARCHY", "HIERARCH"),
         ("bvh", "Frames: 2", "Frames: 3"),
-        ("bvh", "Frames: 2", "Frames: two"),
         ("bvh", "Frame Time: 0.02", "Frame Time: 0"),
         ("bvh", "50 60", "50 nan"),
-        ("bvh", "50 60", "50 sixty"),
         ("bvh", "CHANNELS 3", "CHANNELS 4"),
-        ("bvh", "Yrotation Xrotation Z", "Yrotation Xrotation W"),
-        ("bvh", "OFFSET 0 -40 0", "OFFSET 0 -40"),
         ("bvh", "JOINT knee", "JOINT hips"),
         ("bvh", "}\nMOTION", "MOTION"),
-        ("bvh", "End Site\n    {", "End Site"),
         ("bvh", "ROOT hips\n{", "ROOT hips\n{\n{"),
         ("asf", ":bonedata", ":bones"),
         ("asf", "length 0.5", "length 0"),
         ("asf", "direction 0 -2 0", "direction 0 0 0"),
-        ("asf", "direction 0 -2 0", ""),
         ("asf", "dof rx rz", "dof rx rx"),
-        ("asf", "30 XYZ", "30 XYY"),
         ("asf", "name shin", "name thigh"),
         ("asf", "thigh shin", "thigh foot"),
-        ("asf", "thigh shin", "thigh shin thigh"),
         ("asf", "orientation 0 0 90", ""),
         ("amc", "thigh 40 50", "thigh 40"),
-        ("amc", "thigh 40 50", "thigh 40 nan"),
         ("amc", "thigh 40 50", "thigh 40 50\nthigh 40 50"),
         ("amc", "thigh -5 5", ""),
-        ("amc", "thigh 40 50", "foot 40 50"),
         ("amc", "\n2\n", "\n3\n"),
         ("amc", "\n2\n", "\n²\n"),
-        ("tsv", "NO_OF_FRAMES\t3", "NO_OF_FRAMES\t4"),
+        ("tsv", "NO_OF_FRAMES\t4", "NO_OF_FRAMES\t5"),
         ("tsv", "FREQUENCY\t50", "FREQUENCY\t0"),
-        ("tsv", "NO_OF_MARKERS\t2", "NO_OF_MARKERS\t3"),
         ("tsv", "MARKER_NAMES\ta\tb", "MARKER_NAMES\ta\ta"),
         ("tsv", "5.5\t6.5", "5.5"),
-        ("tsv", "5.5\t6.5", "5.5\tinf"),
     ),
 )
 def test_a_file_with_a_wrong_part_is_refused_and_named(
@@ -268,28 +223,13 @@ def test_a_file_with_a_wrong_part_is_refused_and_named(
         read(written(tmp_path, kind, SOUND[kind].replace(old, new, 1)))
 
 
-def written_bytes(folder: Path, kind: str, data: bytes) -> Path:
-    path = folder / f"file.{kind}"
-    path.write_bytes(data)
-    return path
-
-
-def as_motion(path: Path) -> Motion:
-    motion = read(path)
-    assert isinstance(motion, Motion)
-    return motion
-
-
 @pytest.mark.parametrize(
     ("old", "new"),
     (
-        ("ROOT hips\n{\n", "ROOT hips {\n"),
         ("ROOT hips\n{\n", "ROOT hips{"),
-        ("End Site\n    {\n      OFFSET 0 -30 10\n    }", "End Site { OFFSET 0 -30 10 }"),
         ("End Site\n    {\n      OFFSET 0 -30 10\n    }\n  }", "End Site {OFFSET 0 -30 10}}"),
         ("  JOINT knee\n  {\n    OFFSET 0 -40 0\n", "  JOINT knee { OFFSET 0 -40 0 "),
         ("OFFSET 0 -40 0", "OFFSET 0\n-40\n0"),
-        ("CHANNELS 3 Y", "CHANNELS\n3\nY"),
         ("Frames: 2\nFrame Time: 0.02", "Frames: 2 Frame Time: 0.02"),
         ("1 90 2 10 20 30 40 50 60", "1 90 2\n10 20 30\n40 50 60"),
     ),
@@ -316,18 +256,11 @@ def test_a_bvh_consists_of_words_wherever_its_lines_break(
 def test_rows_beyond_the_stated_number_are_read_and_reported(
     tmp_path: Path, kind: str, row: str
 ) -> None:
-    path = written(tmp_path, kind, SOUND[kind])
-    before = read(path)
+    before = read(written(tmp_path, kind, SOUND[kind]))
     found = read(written(tmp_path, kind, SOUND[kind] + row))
     assert isinstance(found, Motion | MarkerTracks) and isinstance(before, Motion | MarkerTracks)
     assert len(found) == len(before) + 1
     assert f"states {len(before)} frames and has {len(found)}" in found.report.line()
-
-
-def test_what_follows_the_last_frame_of_a_bvh_is_left_out_and_counted(tmp_path: Path) -> None:
-    found = as_motion(written(tmp_path, "bvh", BVH + "# exported by somebody\n"))
-    assert len(found) == 2
-    assert sum(found.report.left_out.values()) == 1
 
 
 @pytest.mark.parametrize("key", (":SAMPLES-PER-SECOND 30", ":samples-per-second 30"))
@@ -360,7 +293,7 @@ def test_names_in_any_bytes_cost_no_data_and_are_reported(
 ) -> None:
     new = old.replace("a", name) if kind == "tsv" else name
     data = SOUND[kind].replace(old, new).encode(encoding)
-    found = read(written_bytes(tmp_path, kind, data))
+    found = read(written(tmp_path, kind, data))
     names = (
         [bone.name for bone in found.bones] if isinstance(found, AcclaimSkeleton) else found.names
     )
@@ -373,10 +306,8 @@ def test_names_in_any_bytes_cost_no_data_and_are_reported(
     "content", (b"", b"\n \n", b"\0\1\2\3", b"\xff\xfe\xfd", b"\x1f\x8b\x08 no gzip", b"a\tb\nc")
 )
 def test_a_file_of_another_kind_is_refused(tmp_path: Path, kind: str, content: bytes) -> None:
-    path = tmp_path / f"file.{kind}"
-    path.write_bytes(content)
     with pytest.raises(MotionError, match=rf"file\.{kind}"):
-        read(path)
+        read(written(tmp_path, kind, content))
 
 
 @pytest.mark.parametrize("kind", SOUND)
@@ -386,14 +317,6 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path, kind: str) -> N
     (tmp_path / f"folder.{kind}").mkdir()
     with pytest.raises(MotionError, match="cannot be read"):
         read(tmp_path / f"folder.{kind}")
-
-
-def test_markers_with_decimal_commas_are_those_with_points(tmp_path: Path) -> None:
-    sound = read_markers(written(tmp_path, "tsv", TSV))
-    commas = read_markers(written(tmp_path, "tsv", TSV.replace(".", ",")))
-    assert commas.names == sound.names and not commas.report
-    np.testing.assert_array_equal(commas.time, sound.time)
-    np.testing.assert_array_equal(commas.places, sound.places)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=80)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import resource
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,6 @@ from models.motion.armature import (
     Z_UP,
     Armature,
     Keys,
-    chunks,
 )
 from models.motion.asf import AmcWriter, read_amc, read_asf
 from models.motion.bvh import BvhWriter, read_bvh
@@ -31,7 +31,7 @@ from models.motion.c3d import C3dWriter
 from models.motion.euler import ContinuousEuler, angles_of
 from models.motion.gltf import GltfWriter
 from models.motion.motion import Motion, rotations_of_angles
-from models.motion.output import AtomicFile
+from models.motion.output import AtomicFile, MotionWriter
 from models.motion.points import HandPoints, PointsCsvWriter
 from models.motion.sampling import Poses, Sampler, slerp
 from models.motion.vicon_v import VWriter, motion_of, read_v
@@ -77,32 +77,24 @@ def assert_same(motion: Motion, skeleton: Skeleton, q: Array, up: Array) -> None
     assert np.abs(found - tips @ up.T).max() < CLOSE
 
 
-@settings(max_examples=40)
-@given(drawn=motions, order=st.sampled_from(ORDERS), rate=st.sampled_from([24.0, 60.0, 62.5]))
-def test_a_hand_comes_back_from_bvh_within_a_micrometre(
-    drawn: tuple[Skeleton, Array], order: str, rate: float
-) -> None:
-    skeleton, q = drawn
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "hand.bvh"
-        paths = written(lambda a: BvhWriter(path, a, rate, order), skeleton, q)
-        motion = read_back("bvh", paths)
-    assert_same(motion, skeleton, q, Y_UP)
-    assert len(motion) == len(q) and abs(motion.frame_time * rate - 1) < 1e-6
-
-
-@settings(max_examples=25)
-@given(drawn=motions, kind=st.sampled_from(["amc", "v"]), rate=st.sampled_from([24.0, 60.0, 62.5]))
-def test_a_hand_comes_back_from_amc_and_v_within_a_micrometre(
+@settings(max_examples=65)
+@given(
+    drawn=motions,
+    kind=st.sampled_from([*(f"bvh {order}" for order in ORDERS), "amc", "v"]),
+    rate=st.sampled_from([24.0, 60.0, 62.5]),
+)
+def test_a_hand_comes_back_from_its_file_within_a_micrometre(
     drawn: tuple[Skeleton, Array], kind: str, rate: float
 ) -> None:
     skeleton, q = drawn
-    make, up = {"amc": (AmcWriter, Y_UP), "v": (VWriter, Z_UP)}[kind]
+    kind, _, order = kind.partition(" ")
+    writers: dict[str, Callable[..., MotionWriter]]
+    writers = {"bvh": partial(BvhWriter, order=order), "amc": AmcWriter, "v": VWriter}
     with tempfile.TemporaryDirectory() as folder:
-        paths = written(lambda a: make(Path(folder) / f"hand.{kind}", a, rate), skeleton, q)
-        motion = read_back(kind, paths)
-    assert_same(motion, skeleton, q, up)
-    assert len(motion) == len(q) and abs(motion.frame_time * rate - 1) < 1e-9
+        path = Path(folder) / f"hand.{kind}"
+        motion = read_back(kind, written(lambda a: writers[kind](path, a, rate), skeleton, q))
+    assert_same(motion, skeleton, q, Z_UP if kind == "v" else Y_UP)
+    assert len(motion) == len(q) and abs(motion.frame_time * rate - 1) < 1e-6
 
 
 def test_two_writers_of_one_file_leave_the_whole_file_of_the_one_that_ends_last(
@@ -136,27 +128,6 @@ def test_points_come_back_from_a_table_within_a_micrometre(tmp_path: Path) -> No
     np.testing.assert_allclose(table[:, 0], np.arange(700) / 60, atol=1e-9)
 
 
-@pytest.mark.parametrize("order", ORDERS)
-@pytest.mark.parametrize("seed", range(3))
-def test_angles_never_jump_in_any_order(order: str, seed: int) -> None:
-    armature = Armature(ADULT)
-    q = moving(ADULT, 600, seed)
-    euler = ContinuousEuler(order)
-    angles = np.concatenate(
-        [
-            euler.angles(armature.relative(k, armature.zero(order), Y_UP)[1])
-            for k in chunks(armature, q)
-        ]
-    )
-    # Joints swing through at most 110 degrees 1.5 times a second: 9 degrees a frame at most, in
-    # rotation vectors; Euler angles of the same motion move faster, but nowhere near a half turn.
-    assert np.rad2deg(np.abs(np.diff(angles[:, 1:], axis=0)).max()) < 25
-    assert np.rad2deg(np.abs(np.diff(angles[:, 0], axis=0)).max()) < 25
-    assert euler.biggest_step == np.abs(np.diff(angles, axis=0)).max()
-    moment, joint = euler.biggest_at
-    assert np.abs(angles[moment, joint] - angles[moment - 1, joint]).max() == euler.biggest_step
-
-
 def test_the_first_angle_of_a_finger_is_its_flexion_and_the_last_its_spread() -> None:
     armature = Armature(ADULT)
     for order in ("ZXY", "XYZ", "ZYX", "XZY"):
@@ -183,6 +154,8 @@ def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order: str)
     found = np.concatenate([euler.angles(part) for part in np.array_split(turns, 7)])
     assert np.abs(angles[:, 0, 1]).max() > 1.65
     np.testing.assert_allclose(found, angles, atol=1e-9)
+    steps = np.abs(np.diff(found[:, 0], axis=0)).max(axis=1)
+    assert euler.biggest_step == steps.max() and euler.biggest_at == (steps.argmax() + 1, 0)
 
 
 turns_of_outer_axes = st.floats(-2 * np.pi, 2 * np.pi) | st.sampled_from(
@@ -263,35 +236,23 @@ def test_a_file_is_the_same_to_the_bit_however_its_keys_come(tmp_path: Path, kin
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_nothing_is_left_of_a_file_that_was_not_finished(tmp_path: Path, kind: str) -> None:
-    armature = Armature(ADULT)
-    with pytest.raises(ZeroDivisionError), WRITERS[kind](tmp_path, armature) as writer:
-        writer.write(armature.keys(moving(ADULT, 9, 3)))
-        _ = 1 / 0
-    assert not list(tmp_path.iterdir())
-    with (
-        pytest.raises(MotionError, match="no motion to write"),
-        WRITERS[kind](tmp_path, armature),
-    ):
-        pass
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("kind", WRITERS)
 def test_a_file_that_is_there_stays_as_it_is_until_the_new_one_is_whole(
     tmp_path: Path, kind: str
 ) -> None:
     armature = Armature(ADULT)
-    names = [
-        p.name for p in written(lambda a: WRITERS[kind](tmp_path, a), ADULT, moving(ADULT, 9, 3))
-    ]
-    for name in names:
-        (tmp_path / name).write_text("old")
+    keys = armature.keys(moving(ADULT, 9, 3))
+    with pytest.raises(MotionError, match="no motion to write"), WRITERS[kind](tmp_path, armature):
+        pass
+    with pytest.raises(ZeroDivisionError), WRITERS[kind](tmp_path, armature) as writer:
+        for path in writer.paths:
+            path.write_text("old")
+        writer.write(keys)
+        _ = 1 / 0
+    assert sorted(tmp_path.iterdir()) == sorted(writer.paths)
+    assert all(path.read_text() == "old" for path in writer.paths)
     with WRITERS[kind](tmp_path, armature) as writer:
-        writer.write(armature.keys(moving(ADULT, 9, 4)))
-        assert all((tmp_path / name).read_text() == "old" for name in names)
-    assert all((tmp_path / name).read_bytes() != b"old" for name in names)
-    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(names)
+        writer.write(keys)
+    assert all(path.read_bytes() != b"old" for path in writer.paths)
 
 
 @contextmanager
@@ -376,18 +337,20 @@ def test_between_two_turns_the_way_is_even_and_short(ends: Array, share: float) 
         assert abs((between.inv() * two).magnitude() - (1 - share) * whole) < 1e-6
 
 
-def test_time_that_stands_still_is_refused() -> None:
-    sampler = Sampler((Armature(ADULT),), 60)
-    still = np.tile([1.0, 0, 0, 0], (2, 1, 15, 1))
-    with pytest.raises(MotionError, match="does not increase"):
-        sampler.add(Poses(np.array([1.0, 1.0]), np.zeros((2, 1, 3)), still))
+@pytest.mark.parametrize(
+    ("time", "says"),
+    (
+        ([0.0, 0.1, 0.1], "does not increase"),
+        ([0.0, 0.1, 86_400.1], r"86400 s without a pose, 0\.10 s after"),
+    ),
+)
+def test_time_that_stands_still_or_leaps_by_a_day_is_refused(time: list[float], says: str) -> None:
+    turns = np.tile([1.0, 0, 0, 0], (3, 1, 15, 1))
+    with pytest.raises(MotionError, match=says):
+        Sampler((Armature(ADULT),), 60).add(Poses(np.array(time), np.zeros((3, 1, 3)), turns))
+
+
+def test_what_is_no_frame_rate_is_refused() -> None:
     for rate in (0, -1, float("nan"), float("inf"), 1e9):
         with pytest.raises(MotionError, match="not a frame rate"):
             Sampler((Armature(ADULT),), rate)
-
-
-def test_a_clock_that_leaps_by_a_day_is_refused_and_says_where() -> None:
-    time = np.array([0.0, 0.1, 86_400.1, 86_400.2])
-    turns = np.tile([1.0, 0, 0, 0], (4, 1, 15, 1))
-    with pytest.raises(MotionError, match=r"86400 s without a pose, 0\.10 s after"):
-        Sampler((Armature(ADULT),), 60).add(Poses(time, np.zeros((4, 1, 3)), turns))

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from models.errors import MotionError
-from models.motion.armature import Armature
 from models.motion.vicon_v import VWriter, motion_of, read_v
 from models.motion.vsk import JOINTS, ViconSkeleton, read_vsk
 from models.skeleton import ADULT
@@ -100,12 +99,6 @@ def test_a_genuine_skeleton_is_a_person(shared_data: Path) -> None:
     np.testing.assert_allclose(legs[0], legs[1])
 
 
-def test_our_own_hand_has_fifteen_segments_and_48_freedoms_as_the_papers(tmp_path: Path) -> None:
-    paths = written(lambda a: VWriter(tmp_path / "h.v", a, 60), ADULT, moving(ADULT, 3, 0))
-    found = read_vsk(paths[1])
-    assert tuple(found.names) == Armature(ADULT).names and found.freedoms == 48
-
-
 def test_a_motion_turns_segments_by_rotation_vectors_after_their_rest(tmp_path: Path) -> None:
     path = tmp_path / "file.v"
     path.write_bytes(motion_bytes(LABELS, FRAMES))
@@ -134,29 +127,24 @@ def test_frames_that_a_recorder_left_out_move_no_later_frame_in_time(tmp_path: P
 
 def test_rotation_vectors_of_a_wrist_that_turns_round_and_round_do_not_jump(tmp_path: Path) -> None:
     q = moving(ADULT, 600, 1)
-    path, _ = written(lambda a: VWriter(tmp_path / "h.v", a, 60), ADULT, q)
+    path, skeleton = written(lambda a: VWriter(tmp_path / "h.v", a, 60), ADULT, q)
     values = read_v(path).values
     assert np.abs(q[:, 5]).max() > 2 * np.pi
     assert np.abs(np.diff(values[:, :3], axis=0)).max() < 0.5
-    assert len(read_v(path).labels) == 48
+    assert len(read_v(path).labels) == read_vsk(skeleton).freedoms == 48
 
 
 @pytest.mark.parametrize(
     ("old", "new"),
     (
         ("KinematicModel", "Model"),
-        ("</Skeleton>", ""),
         ("</KinematicModel>", ""),
         ('NAME="Arm"', 'NAME="Root"'),
-        ('NAME="Arm"', ""),
         ('"Upper -Upper 5"', '"Upper -Upper"'),
         ('"Upper -Upper 5"', '"Upper -Lower 5"'),
-        ('"Upper -Upper 5"', '"Upper nan 5"'),
         ('VALUE="300"', 'VALUE="long"'),
-        ('VALUE="300"', ""),
         ("<JointBall />", ""),
         ("<JointBall />", "<JointBall /><JointFree />"),
-        ("<JointBall />", "<JointLoop />"),
         ('SEGMENT="Hand"', 'SEGMENT="Foot"'),
         ('standalone="yes"?>', 'standalone="yes"?><!DOCTYPE a [<!ENTITY b "c">]>'),
     ),
@@ -189,25 +177,23 @@ def test_a_motion_of_another_skeleton_or_of_two_at_once_is_refused(tmp_path: Pat
         motion_of(path, skeleton(tmp_path), read_v(path))
 
 
-@pytest.mark.parametrize("share", np.linspace(0, 0.999, 25))
-def test_a_motion_that_was_cut_short_is_refused(tmp_path: Path, share: float) -> None:
-    data = motion_bytes(LABELS, FRAMES[:1], other=False)
-    path = tmp_path / "file.v"
-    path.write_bytes(data[: int(share * len(data))])
-    with pytest.raises(MotionError, match=r"file\.v"):
-        read_v(path)
+SHORT = motion_bytes(LABELS, FRAMES[:1], other=False)
 
 
 @pytest.mark.parametrize(
-    "frames",
-    ([[float("nan")] * 9], [[float("inf")] * 9], [[1e200] * 9], []),
-    ids=["nan", "inf", "huge", "none"],
+    "content",
+    (
+        *(SHORT[: int(share * len(SHORT))] for share in np.linspace(0, 0.999, 25)),
+        *(motion_bytes(LABELS, [[value] * 9]) for value in (np.nan, np.inf, 1e200)),
+        motion_bytes(LABELS, []),
+        *(b"RIFF....", b"V#\2\0" + bytes(64), bytes(99)),
+    ),
 )
-def test_a_motion_without_finite_numbers_is_refused(
-    tmp_path: Path, frames: list[list[float]]
+def test_what_is_cut_short_not_finite_or_no_motion_is_refused(
+    tmp_path: Path, content: bytes
 ) -> None:
     path = tmp_path / "file.v"
-    path.write_bytes(motion_bytes(LABELS, frames))
+    path.write_bytes(content)
     with pytest.raises(MotionError, match=r"file\.v"):
         read_v(path)
 
@@ -229,13 +215,3 @@ def test_a_damaged_motion_gives_finite_numbers_or_our_error_and_never_another(
         assert "file." in str(error)
     else:
         assert np.isfinite(motion.shifts).all() and np.isfinite(motion.rotations).all()
-
-
-@pytest.mark.parametrize("content", (b"", b"V#", b"RIFF....", b"V#\2\0" + bytes(64), bytes(99)))
-def test_a_file_that_is_not_a_v_file_is_refused(tmp_path: Path, content: bytes) -> None:
-    path = tmp_path / "file.v"
-    path.write_bytes(content)
-    with pytest.raises(MotionError, match=r"file\.v"):
-        read_v(path)
-    with pytest.raises(MotionError, match="no such file"):
-        read_v(tmp_path / "none.v")

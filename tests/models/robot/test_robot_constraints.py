@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
@@ -13,27 +14,16 @@ from hypothesis import strategies as st
 from models.errors import InputError
 from models.frames import FINGERS
 from models.robot.constraints import coupling_laws
-from models.robot.mapping import find_robot, load_mapping
+from models.robot.mapping import find_robot
 from models.robot.mapping_fit import MappingFit, fit_mapping
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel
-from tests.models.robot.hinge_hand import TIPS, hinge_hand
+from tests.models.robot.hinge_hand import TIPS, edited, hinge_hand
 from tests.support.robot_tips import greatest_distance
 
 
 def fitted(path: Path, hand: str = "") -> MappingFit:
     return fit_mapping(path, TIPS, model=path.name, hand=hand)
-
-
-def edited(folder: Path, *changes: tuple[str, str], extra: str = "") -> Path:
-    """The small hand with some text in it replaced."""
-    path = hinge_hand(folder, extra=extra)
-    text = path.read_text(encoding="utf-8")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 @given(zeros=st.lists(st.floats(-1.5, 1.5), min_size=3, max_size=3))
@@ -42,7 +32,7 @@ def test_fingertips_are_where_the_model_has_them_whatever_the_zero_and_place_of_
     zeros: list[float], tmp_path: Path
 ) -> None:
     path = edited(
-        tmp_path,
+        hinge_hand(tmp_path),
         *(
             (f'name="{name}"', f'name="{name}" ref="{np.rad2deg(zero):.9g}"')
             for name, zero in zip(("index_mcp", "thumb_pip", "ring_spread"), zeros, strict=True)
@@ -63,12 +53,11 @@ def test_a_coupling_is_the_curve_that_mujoco_holds_the_joints_on(
     law: list[float], zeros: tuple[float, float], tmp_path: Path
 ) -> None:
     coupling = " ".join(f"{c:.9g}" for c in law)
+    joints = f'joint1="index_dip" joint2="index_pip" polycoef="{coupling}"'
     path = edited(
-        tmp_path,
+        hinge_hand(tmp_path, extra=f"<equality><joint {joints}/></equality>"),
         ('name="index_dip"', f'name="index_dip" ref="{np.rad2deg(zeros[0]):.9g}"'),
         ('name="index_pip"', f'name="index_pip" ref="{np.rad2deg(zeros[1]):.9g}"'),
-        extra=f'<equality><joint joint1="index_dip" joint2="index_pip" polycoef="{coupling}"/>'
-        "</equality>",
     )
     robot = RobotModel(path, "palm", TIPS)
     ((follower, other, found),) = coupling_laws(robot)
@@ -100,15 +89,11 @@ def test_a_coupling_is_the_curve_that_mujoco_holds_the_joints_on(
     ),
 )
 def test_a_hand_moves_along_its_couplings_and_within_its_ranges(
-    coupling: str, angle: object, tmp_path: Path
+    coupling: str, angle: Callable[[float], float], tmp_path: Path
 ) -> None:
-    assert callable(angle)
-    path = hinge_hand(tmp_path, extra=coupling)
-    result = fitted(path)
+    result = fitted(hinge_hand(tmp_path, extra=coupling))
     assert result.not_followed == ()
-    file = path.with_suffix(".toml")
-    file.write_text(result.mapping.as_toml(), encoding="utf-8")
-    hand = RobotHand("right", load_mapping(file))
+    hand = RobotHand("right", result.mapping)
     names, limits = hand.robot.joint_names(), hand.robot.limits()
     dip, pip = names.index("index_dip"), names.index("index_pip")
     retargeter, seen = hand.retargeter(), []
@@ -189,11 +174,8 @@ def test_motors_on_tendons_limit_the_joints_that_they_pull(kind: str, tmp_path: 
 def test_the_side_of_a_hand_without_ranges_is_given_and_not_guessed(
     side: str, tmp_path: Path
 ) -> None:
-    path = hinge_hand(tmp_path, side=side)
-    text = path.read_text(encoding="utf-8")
-    for part in ('range="-25 25"', 'range="0 90"', 'range="0 95"', 'range="0 80"'):
-        text = text.replace(part, "")
-    path.write_text(text, encoding="utf-8")
+    ranges = ('range="-25 25"', 'range="0 90"', 'range="0 95"', 'range="0 80"')
+    path = edited(hinge_hand(tmp_path, side=side), *((part, "") for part in ranges))
     with pytest.raises(InputError, match="--hand right or --hand left"):
         fitted(path)
     mapping = fitted(path, side).mapping
@@ -216,14 +198,10 @@ def test_fingertips_in_another_order_are_no_hand_of_the_other_side(
 
 
 def test_a_palm_in_the_world_is_the_same_hand(tmp_path: Path) -> None:
-    whole = hinge_hand(tmp_path)
-    text = whole.read_text(encoding="utf-8")
-    for part in ('<body name="arm">', '<joint name="elbow" axis="1 0 0"/>', '<body name="palm">'):
-        text = text.replace(part, "", 1)
-    text = text.replace("      </body>\n    </body>\n  </worldbody>", "  </worldbody>")
-    merged = tmp_path / "merged.xml"
-    merged.write_text(text, encoding="utf-8")
-    own, world = fitted(whole).mapping, fitted(merged).mapping
+    own = fitted(hinge_hand(tmp_path)).mapping
+    bodies = ('<body name="arm">', '<joint name="elbow" axis="1 0 0"/>', '<body name="palm">')
+    ends = ("      </body>\n    </body>\n  </worldbody>", "  </worldbody>")
+    world = fitted(edited(hinge_hand(tmp_path), *((part, "") for part in bodies), ends)).mapping
     assert world.palm == "world" and world.side == own.side
     np.testing.assert_allclose(world.turn, own.turn, atol=1e-6)
     assert greatest_distance(RobotHand("right", world), 30) < 1e-6
@@ -302,14 +280,8 @@ def test_a_urdf_keeps_its_fixed_links_and_follows_mimic_with_its_offset(tmp_path
 def test_a_urdf_with_inertias_that_no_body_can_have_is_read_and_they_are_named(
     tmp_path: Path,
 ) -> None:
-    path = urdf_hand(tmp_path)
-    text = path.read_text(encoding="utf-8")
-    # Of "ring_far_link", whose inertia is written first after its name.
-    start = text.index('<link name="ring_far_link">')
-    path.write_text(
-        text[:start] + text[start:].replace('ixx="1e-5"', 'ixx="4e-5"', 1), encoding="utf-8"
-    )
-    result = fitted(path)
+    link, wrong = f'<link name="ring_far_link">{_INERTIAL}', _INERTIAL.replace("1e-5", "4e-5", 1)
+    result = fitted(edited(urdf_hand(tmp_path), (link, link.replace(_INERTIAL, wrong))))
     assert result.not_followed == (
         "inertias that no body can have, made equal about all axes: ring_far_link",
     )
@@ -326,11 +298,8 @@ _SHAPE = '<{0}><geometry><mesh filename="{1}"/></geometry></{0}>'
 def test_a_urdf_whose_shapes_cannot_be_read_is_read_without_them_and_they_are_named(
     file: str, kind: str, tmp_path: Path
 ) -> None:
-    path = urdf_hand(tmp_path)
-    text = path.read_text(encoding="utf-8")
     link = '<link name="index_far_link">'
-    path.write_text(text.replace(link, link + _SHAPE.format(kind, file)), encoding="utf-8")
-    result = fitted(path)
+    result = fitted(edited(urdf_hand(tmp_path), (link, link + _SHAPE.format(kind, file))))
     # MuJoCo itself leaves out what is only seen.
     names = ("shapes in files that MuJoCo cannot read: index_far_link",)
     assert result.not_followed == (names if kind == "collision" else ())
@@ -338,36 +307,20 @@ def test_a_urdf_whose_shapes_cannot_be_read_is_read_without_them_and_they_are_na
 
 
 @pytest.mark.parametrize(
-    ("changes", "named"),
+    ("old", "new", "named"),
     [
-        ([('joint="index_middle"', 'joint="nobody"')], "warnings of MuJoCo: <mimic> on joint"),
-        ([('joint="index_middle"', 'joint="mount"')], "warnings of MuJoCo: <mimic> on joint"),
-        ([('name="ring_far" type="revolute"', 'name="ring_far" type="planar"')], "ring_far"),
+        ('joint="index_middle"', 'joint="nobody"', "warnings of MuJoCo: <mimic> on joint"),
+        ('joint="index_middle"', 'joint="mount"', "warnings of MuJoCo: <mimic> on joint"),
+        ('name="ring_far" type="revolute"', 'name="ring_far" type="planar"', "ring_far"),
         # MuJoCo drops the second name, so that the first joint follows two.
-        ([('name="ring_far"', 'name="index_far"')], "couplings of joints: index_far with ring"),
-        (
-            [
-                (
-                    'joint="index_middle" multiplier=".7" offset=".1"',
-                    'joint="index_middle" multiplier="0" offset=".3"',
-                )
-            ],
-            "couplings of joints: index_far with index_middle",
-        ),
+        ('name="ring_far"', 'name="index_far"', "couplings of joints: index_far with ring"),
+        ('index_middle" multiplier=".7"', 'index_middle" multiplier="0"', "couplings of joints"),
     ],
 )
 def test_mimics_that_are_not_followed_are_named(
-    changes: list[tuple[str, str]],
-    named: str,
-    tmp_path: Path,
-    capfd: pytest.CaptureFixture[str],
+    old: str, new: str, named: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    path = urdf_hand(tmp_path)
-    text = path.read_text(encoding="utf-8")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    path.write_text(text, encoding="utf-8")
+    path = edited(urdf_hand(tmp_path), (old, new))
     assert any(named in part for part in fitted(path).not_followed)
     assert capfd.readouterr().err == ""
 
@@ -375,13 +328,11 @@ def test_mimics_that_are_not_followed_are_named(
 def test_ranges_that_are_degrees_taken_for_radians_or_the_other_way_round_are_refused(
     tmp_path: Path,
 ) -> None:
-    path = urdf_hand(tmp_path)
-    text = path.read_text(encoding="utf-8").replace('upper="1.5"', 'upper="86"')
-    path.write_text(text, encoding="utf-8")
+    path = edited(urdf_hand(tmp_path), ('upper="1.5"', 'upper="86"'))
     with pytest.raises(InputError, match=r"got '86 rad as the median'.*written in degrees"):
         fitted(path)
     path = edited(
-        tmp_path,
+        hinge_hand(tmp_path),
         *((f'range="0 {most}"', f'range="0 {np.deg2rad(most):.4f}"') for most in (80, 90, 95)),
     )
     with pytest.raises(InputError, match="written in radians"):

@@ -13,7 +13,7 @@ from models.errors import InputError
 from models.robot.mapping import load_mapping
 from models.robot.mapping_fit import fit_mapping, tip_ends
 from models.robot.robot_model import RobotModel
-from tests.models.robot.hinge_hand import TIPS, hinge_hand
+from tests.models.robot.hinge_hand import TIPS, edited, hinge_hand
 
 LENGTH, RADIUS = 0.04, 0.006
 """m, from a link's joint to the middle of its round end, and the end's radius."""
@@ -30,22 +30,20 @@ def link_points(along: Array) -> Array:
 
 def meshed(folder: Path, along: Array) -> Path:
     """The hand of hinges without sites at its tips: its last links are meshes."""
-    path = hinge_hand(folder)
-    text = path.read_text(encoding="utf-8")
     points = " ".join(f"{x:.6g}" for x in link_points(along).ravel())
-    text = text.replace(
-        '<geom type="capsule" fromto="0 0 0 0 .022 0" size=".007" mass=".01"/>',
-        '<geom type="mesh" mesh="last" mass=".01"/>'
-        '<geom type="mesh" mesh="again" mass=".01" contype="0"/>',
-    )
     meshes = "".join(
         f'<mesh name="{name}" vertex="{points}" inertia="convex"/>' for name in ("last", "again")
     )
-    text = text.replace("<worldbody>", f"<asset>{meshes}</asset><worldbody>")
-    for name in TIPS:
-        text = text.replace(f'<site name="{name}" pos="0 .022 0"/>', "")
-    path.write_text(text, encoding="utf-8")
-    return path
+    return edited(
+        hinge_hand(folder),
+        (
+            '<geom type="capsule" fromto="0 0 0 0 .022 0" size=".007" mass=".01"/>',
+            '<geom type="mesh" mesh="last" mass=".01"/>'
+            '<geom type="mesh" mesh="again" mass=".01" contype="0"/>',
+        ),
+        ("<worldbody>", f"<asset>{meshes}</asset><worldbody>"),
+        *((f'<site name="{name}" pos="0 .022 0"/>', "") for name in TIPS),
+    )
 
 
 @pytest.mark.parametrize("along", [(0.0, 1.0, 0.0), (0.6, 0.0, -0.8), (-0.48, 0.6, 0.64)])
@@ -62,12 +60,9 @@ def test_a_hand_without_names_of_tips_is_fitted_by_the_ends(tmp_path: Path) -> N
     assert fitted.mapping.side == "right" and len(fitted.mapping.places) == 5
     file = tmp_path / "meshed.toml"
     file.write_text(fitted.mapping.as_toml(), encoding="utf-8")
-    assert load_mapping(file).places == fitted.mapping.places
-
-
-def test_a_shape_that_is_there_twice_is_seen_once(tmp_path: Path) -> None:
-    path = meshed(tmp_path, np.array([0.0, 1.0, 0.0]))
-    mapping = fit_mapping(path, ENDS, ends=True).mapping
+    mapping = load_mapping(file)
+    assert mapping.places == fitted.mapping.places
+    # A shape that is there twice is seen once.
     robot = RobotModel(path, mapping.palm, mapping.tips, mapping.places)
     assert len(robot.assets("right_")) == 1
 
