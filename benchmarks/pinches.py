@@ -24,7 +24,7 @@ from encoders.labels.finger_use import odds_of_sets
 from encoders.labels.labelling import true_row
 from encoders.labels.pair_network import USUAL_SETS, NetworkEvidence
 from models.arithmetic import Array
-from training.population.pinned import JUDGED, NEXT, pinned_people
+from training.judged import JUDGED, NEXT, pinned_people
 
 OPENING = (0.045, 0.085)
 """Range of the distance (m) between thumb and index finger."""

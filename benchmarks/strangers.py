@@ -41,11 +41,10 @@ from encoders.labels.belief import (
 )
 from encoders.labels.finger_use import LogOdds, odds_of_sets
 from encoders.labels.pair_network import USUAL_SETS
+from training.judged import JUDGED, NEXT, pinned_people, subject
 from training.names import train_names
 from training.population import Population, load_population
-from training.population.pinned import JUDGED, NEXT, pinned_people
 from training.population.population import PEOPLE
-from training.subjects import subject
 
 DAY_SEED = 19
 """Seed of the test days."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from encoders.captures.overhead.names import MOST, Belief, NamingRules, chosen
+from encoders.captures.overhead.naming import MOST, Belief, NamingRules, chosen
 from encoders.captures.overhead.picture_track import LAST_JOINTS, TIPS
 from encoders.captures.overhead.tablet_plane import (
     Moment,

@@ -19,7 +19,7 @@ from encoders.captures.overhead.capture_from_camera import (
 )
 from encoders.captures.overhead.tablet_plane import TabletPlane, mirrored_plane, plane_of_corners
 from encoders.captures.paired.capture_from_hands import capture_from_hands
-from encoders.captures.paired.open_hand import OPEN_FRAMES, open_hand
+from encoders.captures.paired.hand_track import OPEN_FRAMES, open_hand
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from models.arithmetic import Array

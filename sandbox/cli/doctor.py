@@ -11,8 +11,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from sandbox.cli.common.command_line import parse
+from sandbox.doctor import Check
 from sandbox.doctor.devices import device_checks, graphics_checks
-from sandbox.doctor.probes import Check
 from sandbox.doctor.system import package_checks, speed_check, system_checks
 from sandbox.recording.versions import versions
 

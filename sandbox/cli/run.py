@@ -164,7 +164,7 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
                 views.append(closing.enter_context(drawn).show)
             if options.motion:
                 # This import loads all formats of motion files.
-                from sandbox.export.motion_view import MotionView
+                from sandbox.export.targets import MotionView
 
                 views.append(closing.enter_context(MotionView(options.motion, session)).show)
             return views

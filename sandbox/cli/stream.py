@@ -53,8 +53,8 @@ if TYPE_CHECKING:
 
 SCRIPTS = Path(__file__).parents[1] / "stream"
 PARTS = {
-    "maya": ("guest_math", "guest_line", "maya_side"),
-    "blender": ("guest_math", "guest_line", "blender_rigs", "blender_side"),
+    "maya": ("guest", "maya_side"),
+    "blender": ("guest", "blender_rigs", "blender_side"),
 }
 """Modules of each script. The script has the docstring of the last module."""
 

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from models.errors import DeviceError
-from sandbox.doctor.probes import Check, ProbeResult, run_probe
+from sandbox.doctor import Check, ProbeResult, run_probe
 from sandbox.views.display import OFFSCREEN_REMEDY, OPENGL_REMEDY, VARIABLES
 
 _WINDOW = """

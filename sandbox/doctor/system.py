@@ -15,7 +15,7 @@ from importlib.metadata import PackageNotFoundError, metadata, version
 from pathlib import Path
 
 from models.errors import HandSandboxError
-from sandbox.doctor.probes import Check, run_probe
+from sandbox.doctor import Check, run_probe
 from sandbox.hand.profiles import default_path, find_profile
 from sandbox.recording.versions import versions
 

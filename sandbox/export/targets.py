@@ -1,4 +1,6 @@
-"""Target files of an export. The ending of a file's name chooses the format."""
+"""Targets of an export: files, whose ending chooses the format, and the view that writes the
+motion of a running or replayed session to them.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
+
+import numpy as np
 
 from models.errors import InputError
 from models.motion.armature import Armature, Keys
@@ -20,6 +24,9 @@ from models.motion.points import HandPoints, PointsCsvWriter
 from models.motion.sampling import Poses, Sampler
 from models.motion.vicon_v import VWriter
 from models.motion.vsk import VskWriter
+from sandbox.export.sources import Of, commanded_poses, poses_of_qpos
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
 
 
 @dataclass(frozen=True)
@@ -220,3 +227,52 @@ def _files(path: Path, names: Sequence[str], all_hands: bool) -> list[tuple[Path
     if all_hands or len(names) == 1:
         return [(path, every)]
     return [(path.with_stem(f"{path.stem}-{name}"), (i,)) for i, name in enumerate(names)]
+
+
+def simulated_poses(snapshot: Snapshot) -> Poses:
+    """Poses of all hands at one moment."""
+    return poses_of_qpos(np.array([snapshot.time]), snapshot.qpos[None], len(snapshot.hands))
+
+
+class MotionView(Exporter):
+    """Writes the motion of a session's hands; the files appear when it is closed.
+
+    If a session is stopped (Ctrl-C), the motion written so far is kept.
+
+    Args:
+        path: Path of the file; its ending chooses the format.
+        session: The session.
+        settings: Settings of written motion.
+        of: Simulated or commanded motion of the hands.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        session: Session,
+        settings: ExportSettings | None = None,
+        of: Of = "simulated",
+    ) -> None:
+        hands = [rig.hand for rig in session.rigs]
+        self._poses = simulated_poses if of == "simulated" else commanded_poses
+        armatures = tuple(Armature.of_hand(hand) for hand in hands)
+        names = tuple(hand.name for hand in hands)
+        super().__init__(path, armatures, names, settings or ExportSettings())
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Writes the motion up to a snapshot."""
+        self.take(self._poses(snapshot))
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        stopped = kind is not None and issubclass(kind, KeyboardInterrupt)
+        if stopped and self.frames:
+            kind, error, trace = None, None, None
+        super().__exit__(kind, error, trace)

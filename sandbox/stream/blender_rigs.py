@@ -9,8 +9,8 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import bpy
 import mathutils
 
-from sandbox.stream.guest_line import Line
-from sandbox.stream.guest_math import (
+from sandbox.stream.guest import (
+    Line,
     Quaternion,
     Refused,
     Vector,

@@ -43,8 +43,7 @@ from typing import Any, Dict, List, Optional, Sequence, Set
 import bpy
 
 from sandbox.stream.blender_rigs import ForeignRig, OwnHand
-from sandbox.stream.guest_line import LONGEST, Line
-from sandbox.stream.guest_math import Refused
+from sandbox.stream.guest import LONGEST, Line, Refused
 
 PORT = 7004
 TICK = 0.008  # time between two checks of the port in a window, s

@@ -22,15 +22,15 @@ from models.motion.armature import Armature, Keys
 from models.motion.sampling import Poses, Sampler
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.device import AnyDevice, HandDevice, LatestFrame
-from sandbox.export.leap_hands import (
+from sandbox.export.leap_source import (
     described,
     devices_by_side,
     leap_armatures,
     straight_reconstructors,
 )
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
-from sandbox.export.motion_view import simulated_poses
 from sandbox.export.sources import commanded_poses
+from sandbox.export.targets import simulated_poses
 from sandbox.session.session import Session
 from sandbox.stream.lines import HandLines, StreamTarget
 from sandbox.stream.sender import Moment

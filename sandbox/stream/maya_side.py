@@ -31,8 +31,8 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 from maya import cmds
 
 import __main__
-from sandbox.stream.guest_line import Line
-from sandbox.stream.guest_math import (
+from sandbox.stream.guest import (
+    Line,
     Quaternion,
     Refused,
     Rows,

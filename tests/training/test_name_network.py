@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from encoders.labels.labelling import hypotheses
 from encoders.labels.pair_network import NetworkEvidence, PairNetwork
-from training.name_network import initial_weights, loss_and_slopes
+from training.names import initial_weights, loss_and_slopes
 
 SIZES = {"g": 7, "context": 5, "f": 9, "h": 6}
 

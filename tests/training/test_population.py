@@ -1,16 +1,18 @@
-"""The population of simulated people: who is in it, and its file."""
+"""The population of simulated people: who is in it, its file, and the people to judge on."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from training.judged import JUDGED, NEXT, SALT, pinned_people
 from training.population import (
     Population,
     load_population,
     save_population,
     simulate_population,
 )
+from training.population.population import PEOPLE
 
 FEW = {"train": {"first": 2, "second": 2, "posed": 4}, "judge": {"second": 1}}
 """People of the first generator may be left out; with this salt neither is."""
@@ -69,3 +71,14 @@ def test_people_put_down_neighbouring_fingers_about_as_far_apart_as_real_ones(
         middle = np.median(np.linalg.norm(np.diff(five, axis=1), axis=-1), axis=0)
         # Real medians are 54, 29, 23 and 31 mm.
         assert (np.abs(1e3 * middle - [54, 29, 23, 31]) < [39, 15, 12, 18]).all()
+
+
+def test_judged_people_are_the_first_that_the_pinned_digest_draws_and_the_next_come_after() -> None:
+    few = {"first": 1, "second": 2}
+    drawn = simulate_population(SALT, {"judge": few}).people
+    assert len(drawn) > 0
+    for one, same in zip(pinned_people(JUDGED, few), drawn, strict=True):
+        assert np.array_equal(one.xy, same.xy, equal_nan=True)
+    for person in pinned_people(NEXT, few):
+        pinned = PEOPLE["judge"][source := person.meta["source"]]
+        assert pinned <= person.meta["number"] < pinned + few[source]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +13,8 @@ from encoders.regression.trained import builtin, builtin_capture
 from encoders.regression.training import save_model, train
 from encoders.store import save_capture
 from training.cli.main import COMMANDS, main
-from training.comparison import compared
 from training.population import Population, save_population, simulate_population
-from training.shipped import FILES, ROOT
+from training.shipped import FILES, ROOT, compared
 
 
 def test_every_file_of_data_has_a_command() -> None:
@@ -44,13 +42,6 @@ def test_all_files_are_made_to_the_byte_or_within_their_bounds(
     said = capsys.readouterr().out
     assert said.count(" agrees with ") == len(FILES) and " differs from " not in said
     assert {path.name for path in tmp_path.iterdir()} == {f.file.name for f in FILES.values()}
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_a_copy_of_a_file_is_identical(name: str, tmp_path: Path) -> None:
-    copy = tmp_path / FILES[name].file.name
-    shutil.copyfile(FILES[name].file, copy)
-    assert compared(copy, FILES[name].file, FILES[name].compare) == (True, "identical")
 
 
 def test_a_capture_may_differ_by_rounding_and_in_few_frames(tmp_path: Path) -> None:
@@ -146,10 +137,7 @@ def test_a_file_of_other_people_is_written_and_differs(
     ],
 )
 def test_bad_input_costs_one_line(
-    line: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("kept.npz").write_bytes(b"kept")

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from models.arithmetic import Array
 from models.skin.skin import FULL, Skin, dense, normals_of
 from training.skin.field import HandField
-from training.skin.make_skin import STEP, extras
-from training.skin.tone import tone_of
+from training.skin.make_skin import STEP, extras, tone_of
 from training.skin.weights import weights_of
 
 

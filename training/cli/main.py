@@ -17,8 +17,8 @@ COMMANDS: dict[str, str] = {
     "strangers": "measure the models on people who took no part in the training",
     "tables": "the tables of `sandbox evaluate` on the second simulated subject",
 }
-"""Command -> one line of help. `training/cli/shipped_file.py` contains the commands that make a
-single file. Any other command is in training/cli/COMMAND.py."""
+"""Command -> one line of help. training/cli/shipped_file.py contains the commands that make files
+that ship. Any other command is in training/cli/COMMAND.py."""
 
 EXIT_DONE, EXIT_DIFFERS, EXIT_BAD_INPUT = 0, 1, 2
 
@@ -37,10 +37,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         if name in ("-h", "--help"):
             print(_overview())
             return EXIT_DONE
-        if name in FILES:
-            from training.cli.shipped_file import main as make_file
+        if name in FILES or name == "all":
+            from training.cli.shipped_file import make_all, make_one
 
-            return make_file(name, rest)
+            return make_all(rest) if name == "all" else make_one(name, rest)
         if name not in COMMANDS:
             remedy = "`python -m training` lists them"
             raise unknown_name("no such command", name, COMMANDS, remedy=remedy)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
@@ -10,12 +12,12 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
+from rich.progress import Progress
 
 from models.errors import InputError
 from models.message import counted
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output
-from training.cli.progress_bar import bar, bars
 from training.population import save_population, simulate_population
 from training.population.population import PEOPLE
 
@@ -80,3 +82,18 @@ def main(argv: list[str]) -> int:
         soft_wrap=True,
     )
     return 0
+
+
+@contextmanager
+def bars() -> Iterator[Progress]:
+    """Progress bars on the terminal, which vanish when they are done; none if the output is not a
+    terminal."""
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        yield progress
+
+
+def bar(progress: Progress, what: str) -> Callable[[float], None]:
+    """Adds a bar, and returns a function that sets the share done, 0 to 1."""
+    task = progress.add_task(what, total=1.0)
+    return lambda share: progress.update(task, completed=share)

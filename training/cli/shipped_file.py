@@ -1,5 +1,5 @@
-"""`python -m training capture`, `names`, `skin` and so on: makes a file that ships, and compares it
-with the shipped file."""
+"""`python -m training capture`, `names`, `skin` and so on, and `all`: makes one file that ships or
+all of them, and compares each with the shipped file."""
 
 from __future__ import annotations
 
@@ -18,11 +18,10 @@ from rich.markup import escape
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
-from training.cli.progress_bar import bar, bars
-from training.comparison import compared
+from training.cli.people import bar, bars
 from training.population import Population, load_population, simulate_population
 from training.population.population import PEOPLE
-from training.shipped import FILES, Inputs
+from training.shipped import FILES, Inputs, compared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,8 +56,25 @@ class PeopleFileOptions:
     """People to train on, written by `python -m training people`. Default: simulate them again."""
 
 
-def main(name: str, argv: list[str]) -> int:
-    """Runs the command of a file."""
+@dataclass(frozen=True, kw_only=True)
+class AllOptions:
+    """Makes all files that ship, in a folder, and compares them with the shipped files. The exit
+    status is 1 if a file differs by more than rounding.
+
+    Try:
+
+        python -m training all --out made
+    """
+
+    out: Annotated[Path, Parameter(metavar="FOLDER")]
+    """Folder for the files; it is created if it does not exist."""
+
+    population: Annotated[Path | None, Parameter(metavar="FILE")] = None
+    """People to train on, written by `python -m training people`. Default: simulate them again."""
+
+
+def make_one(name: str, argv: list[str]) -> int:
+    """Runs the command of a file, `python -m training NAME ...`."""
     file, prog = FILES[name], f"python -m training {name}"
     population = None
     if file.on_people:
@@ -69,6 +85,20 @@ def main(name: str, argv: list[str]) -> int:
     check_output(out, "--out")
     refuse_replacing(out, {"--population": population})
     return 0 if make(name, out, people_to_train_on(population)) else 1
+
+
+def make_all(argv: list[str]) -> int:
+    """Runs `python -m training all ...`."""
+    options = parse(AllOptions, "python -m training all", argv)
+    people = people_to_train_on(options.population)
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            "the folder cannot be created", where=f"--out {options.out}", got=str(error)
+        ) from error
+    agree = [make(name, options.out / file.file.name, people) for name, file in FILES.items()]
+    return 0 if all(agree) else 1
 
 
 def people_to_train_on(file: Path | None) -> Callable[[], Population]:

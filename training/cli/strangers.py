@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 from rich.console import Console
-from rich.progress import Progress, TaskID
+from rich.progress import Progress
 from rich.table import Table
 
 from encoders.capture import Capture
@@ -23,13 +23,13 @@ from models.errors import InputError
 from models.person import RestSamples
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
+from training.cli.people import bar, bars
+from training.judged import JUDGED, pinned_people, subject
 from training.names import train_names
 from training.population import Population, load_population, simulate_population
-from training.population.pinned import JUDGED, pinned_people
 from training.population.population import PEOPLE
 from training.pose import at_trained_size, train_population
 from training.strangers import StrangerResult, judge_stranger, summary
-from training.subjects import subject
 
 SCHEMA = 1
 """Version of the JSON."""
@@ -86,8 +86,7 @@ def main(argv: list[str]) -> int:
     options = parse(StrangersOptions, "python -m training strangers", argv)
     _check(options)
     console = Console()
-    bars = Console(stderr=True)
-    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
+    with bars() as progress:
         rows = _rows(options, progress)
     document = {
         "schema": SCHEMA,
@@ -139,20 +138,18 @@ def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[Stran
         model, make = _trained(options, progress)
         one = subject(options.hold_out)
         numbers = one.judged_days(options.days, options.day_seed)
-        bar = progress.add_task(name, total=float(len(numbers)))
+        show = bar(progress, name)
         samples = rest_samples(one.day(TRAINING_DAY, None), options.rest) if options.rest else ()
-        for number in numbers:
+        for i, number in enumerate(numbers, start=1):
             day = one.day(number, None)
             _judge(rows, f"{name}, generator held out", day, model, make, samples)
-            progress.advance(bar)
+            show(i / len(numbers))
     if count := _people(options):
         shipped: tuple[TrainedModel, Maker | None]
         shipped = builtin(POPULATION), builtin_population_belief if options.names else None
         groups = {"first": (count + 1) // 2, "second": count // 2}
-        bar = progress.add_task("judged people", total=1.0)
-        judged = pinned_people(
-            JUDGED, groups, lambda share: progress.update(bar, completed=0.5 * share)
-        )
+        show = bar(progress, "judged people")
+        judged = pinned_people(JUDGED, groups, lambda share: show(0.5 * share))
         if not judged:
             raise InputError(
                 "all judged people are left out: their fingers touch unlike real people's",
@@ -163,7 +160,7 @@ def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[Stran
             sized = at_trained_size(person, float(person.meta["size"]))
             samples, rest = _seen(sized, options.rest)
             _judge(rows, "judged people, population", rest, *shipped, samples)
-            progress.update(bar, completed=0.5 + 0.5 * (i + 1) / len(judged))
+            show(0.5 + 0.5 * (i + 1) / len(judged))
     return rows
 
 
@@ -198,13 +195,12 @@ def _seen(person: Capture, count: int) -> tuple[RestSamples, Capture]:
 def _trained(options: StrangersOptions, progress: Progress) -> tuple[TrainedModel, Maker | None]:
     """Pose model and labeller, trained without people of the generator that is held out."""
     people = _training_people(options, progress).of(without=options.hold_out)
-    bar = progress.add_task("training the pose", total=1.0)
     about = {"digest": people.digest, **people.meta}
-    model = train_population(people.people, about, progress=_shown(progress, bar))
+    show = bar(progress, "training the pose")
+    model = train_population(people.people, about, progress=show)
     if not options.names:
         return model, None
-    bar = progress.add_task("training names", total=1.0)
-    show = _shown(progress, bar)
+    show = bar(progress, "training names")
     belief = train_names(people.people, people.digest, lambda share, loss: show(share))
     return model, lambda: BeliefLabels(belief, None, learns=True)
 
@@ -212,13 +208,8 @@ def _trained(options: StrangersOptions, progress: Progress) -> tuple[TrainedMode
 def _training_people(options: StrangersOptions, progress: Progress) -> Population:
     if options.population is not None:
         return load_population(options.population).of(group="train")
-    bar = progress.add_task("people to train on", total=1.0)
     train = {s: n for s, n in PEOPLE["train"].items() if s != options.hold_out}
-    return simulate_population("", {"train": train}, _shown(progress, bar))
-
-
-def _shown(progress: Progress, bar: TaskID) -> Callable[[float], None]:
-    return lambda share: progress.update(bar, completed=share)
+    return simulate_population("", {"train": train}, bar(progress, "people to train on"))
 
 
 def _table(rows: dict[str, dict[str, Any]]) -> Table:

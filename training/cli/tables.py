@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.evaluate.command import EvaluateOptions, measure
-from training.subjects import subject
+from training.judged import subject
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.npz import read_npz, write_npz
 from models.errors import CaptureError, InputError
-from training.population import first_people, posed_people, second_people
+from training.population import posed_people
+from training.population.generated_people import first_person, second_person
 
 SCHEMA = 1
 """Version of the file's layout."""
@@ -172,9 +173,9 @@ def _of_source(seed: list[int], source: str, *, script: bool) -> Capture:
     frames, rate = (SCRIPT, SCRIPT_RATE) if script else (PLAY, PLAY_RATE)
     day = 0 if script else 1
     if source == "first":
-        return first_people.capture_person(seed, frames, day, rate)
+        return first_person(seed, frames, day, rate)
     if source == "second":
-        return second_people.capture_person(seed, frames, day, rate)
+        return second_person(seed, frames, day, rate)
     return posed_people.capture_person(seed, POSTURES)
 
 

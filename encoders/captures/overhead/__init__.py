@@ -3,8 +3,8 @@ nearest to it in the picture, or no label if two fingers are about equally near.
 
     picture_track         landmarks of one hand over time, and the offset of their clock
     tablet_plane          map from picture to surface, and the camera's place and field of view
-    names                 probabilities of the fingers of all contacts, from picture to picture
-    naming                labels of the contacts of a recording
+    naming                probabilities of the fingers of all contacts from picture to picture, and
+                          labels of the contacts of a recording
     capture_from_camera   conversion of touches and pictures to a capture
     simulated_camera      pictures of a simulated person, with the truth
 """

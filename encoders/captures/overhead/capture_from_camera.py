@@ -28,8 +28,7 @@ from encoders.captures.conversion.conversion_report import ConversionReport, Con
 from encoders.captures.conversion.fingers import LabelledTrack, sample_times
 from encoders.captures.conversion.synchronise import ClockOffset, refined_by_motion
 from encoders.captures.conversion.touch_log import TouchLog, valid_contacts
-from encoders.captures.overhead.names import NamingRules
-from encoders.captures.overhead.naming import NamedContact, moments_of, name_contacts
+from encoders.captures.overhead.naming import NamedContact, NamingRules, moments_of, name_contacts
 from encoders.captures.overhead.picture_track import (
     LAST_JOINTS,
     TIPS,

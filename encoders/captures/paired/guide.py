@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import combinations
 
-from encoders.captures.paired.open_hand import OPEN_FRAMES, OpenHandSearch, is_whole
+from encoders.captures.paired.hand_track import OPEN_FRAMES, OpenHandSearch, is_whole
 from models.frames import FINGERS, HandFrame, LandmarkFrame, TouchFrame
 
 TAPS = 3

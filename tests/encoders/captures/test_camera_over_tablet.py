@@ -14,7 +14,7 @@ from encoders.captures.overhead.capture_from_camera import (
     capture_from_camera,
     name_touches,
 )
-from encoders.captures.overhead.names import Belief, NamingRules, chosen, names_of
+from encoders.captures.overhead.naming import Belief, NamingRules, chosen, names_of
 from encoders.captures.overhead.simulated_camera import (
     SIZE,
     OverheadPictures,

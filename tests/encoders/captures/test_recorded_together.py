@@ -15,8 +15,7 @@ from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.captures.paired.capture_from_hands import capture_from_hands
 from encoders.captures.paired.guide import SETS, Guide
-from encoders.captures.paired.hand_track import skeleton_of
-from encoders.captures.paired.open_hand import open_hand
+from encoders.captures.paired.hand_track import open_hand, skeleton_of
 from encoders.captures.paired.registration import register
 from encoders.captures.paired.simulated_pair import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.correction import tip_targets

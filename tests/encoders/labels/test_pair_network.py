@@ -15,7 +15,7 @@ from encoders.labels.labelling import hypotheses
 from encoders.labels.pair_network import NetworkEvidence, PairNetwork
 from models.errors import EncoderError
 from tests.support.npz_files import rewritten
-from training.name_network import initial_weights
+from training.names import initial_weights
 
 SIZES = {"g": 7, "context": 5, "f": 9, "h": 6}
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from sandbox.cli import doctor
 from sandbox.cli.main import main
+from sandbox.doctor import Check, run_probe
 from sandbox.doctor.devices import port_check
-from sandbox.doctor.probes import Check, run_probe
 from sandbox.doctor.system import DEVELOPERS, USES, declared, folder_check, package_checks, within
 from tests.support.processes import ROOT
 

@@ -20,8 +20,8 @@ from models.motion.sampling import Sampler
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 from sandbox.cli.main import main
-from sandbox.export.motion_view import MotionView, simulated_poses
 from sandbox.export.sources import commanded_poses
+from sandbox.export.targets import MotionView, simulated_poses
 from sandbox.recording.recording import RecordingWriter
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session

@@ -22,8 +22,8 @@ from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.cli.stream import script
 from sandbox.export.motion_source import MotionSource, poses_of
-from sandbox.stream.guest_line import Line
-from sandbox.stream.guest_math import (
+from sandbox.stream.guest import (
+    Line,
     Quaternion,
     Vector,
     angles_of,

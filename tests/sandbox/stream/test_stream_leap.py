@@ -21,8 +21,8 @@ from sandbox.devices.leap.leap import LeapDevice
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.export.leap_hands import straight_reconstructor
-from sandbox.stream.guest_line import Line
+from sandbox.export.leap_source import straight_reconstructor
+from sandbox.stream.guest import Line
 from sandbox.stream.hand_sources import source_of_leap
 from tests.sandbox.export.test_export_leap import alone, together, write
 
