@@ -25,43 +25,32 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def service(seed: int = 0, side: str = "right", first: int = 0) -> FakeLeapd:
-    frames = take(seed, side=side).frames[first:]
-    messages = [leap_message(f, n) for n, f in enumerate(frames)]
-    return FakeLeapd(messages, port=0, rate=1000.0, loop=True)
-
-
-def test_a_hand_is_measured_kept_and_taken_the_next_time() -> None:
-    server = service()
+def measured(seed: int = 0, side: str = "right") -> bool:
+    """The measuring of a simulated hand over a Leap service, and whether it was saved."""
+    messages = [leap_message(f, n) for n, f in enumerate(take(seed, side=side).frames)]
+    server = FakeLeapd(messages, port=0, rate=1000.0, loop=True)
     try:
-        assert measure_and_save(
-            server.address, "right", own_calibration_path(), Console(file=StringIO()), 60
+        return measure_and_save(
+            server.address, side, own_calibration_path(), Console(file=StringIO()), 60
         )
     finally:
         server.close()
-    assert is_calibration(own_calibration_path())
+
+
+def test_a_hand_is_measured_kept_and_taken_the_next_time() -> None:
+    assert measured() and is_calibration(own_calibration_path())
     said = StringIO()
-    options = with_measured_hand(
-        PlayOptions(device="leap"), Console(file=said, width=500), ask=False
-    )
-    assert (
-        options.device_options == {"calibration": own_calibration_path()}
-        and "your right hand" in said.getvalue()
-    )
+    options = PlayOptions(device="leap")
+    found = with_measured_hand(options, Console(file=said, width=500), ask=False)
+    assert found.device_options == {"calibration": own_calibration_path()}
+    assert "your right hand" in said.getvalue()
     # Of the other hand nothing is known.
     other = PlayOptions(device="leap", hand="left")
     assert with_measured_hand(other, Console(file=StringIO()), ask=False) == other
 
 
 def test_the_other_hand_is_measured_beside_the_first() -> None:
-    for side in ("right", "left"):
-        server = service(1, side)
-        try:
-            assert measure_and_save(
-                server.address, side, own_calibration_path(), Console(file=StringIO()), 60
-            )
-        finally:
-            server.close()
+    assert measured(1, "right") and measured(1, "left")
     assert set(read_calibration(own_calibration_path())) == {"right", "left"}
 
 

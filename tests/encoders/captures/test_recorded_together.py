@@ -139,14 +139,14 @@ def test_only_poses_change_when_fingertips_are_brought_to_touches() -> None:
     assert np.array_equal(capture.xy, plain.xy, equal_nan=True)
 
 
-def test_with_one_clock_taps_that_match_only_seconds_later_do_not_count() -> None:
-    with pytest.raises(CaptureError, match=r"taps do not determine|no tap"):
-        converted(session(), shift=2.0)
-
-
-def test_recordings_that_never_overlap_are_refused() -> None:
-    with pytest.raises(CaptureError, match="do not overlap"):
-        converted(session(), shift=500.0)
+@pytest.mark.parametrize(
+    ("shift", "refusal"),
+    # The first shift is one of taps that match, seconds later; one clock has no such offset.
+    [(2.0, r"taps do not determine|no tap"), (500.0, "do not overlap")],
+)
+def test_recordings_of_other_times_are_refused(shift: float, refusal: str) -> None:
+    with pytest.raises(CaptureError, match=refusal):
+        converted(session(), shift=shift)
 
 
 def test_touches_of_another_session_are_refused() -> None:

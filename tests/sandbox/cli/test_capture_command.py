@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +14,10 @@ from encoders.capture import Capture
 from encoders.store import load_capture
 from models.errors import InputError, MotionError
 from models.frames import Contact, TouchFrame
+from models.motion.asf import AmcWriter
+from models.motion.bvh import BvhWriter
 from models.motion.pose_table import COLUMNS, read_pose_table
+from models.motion.vicon_v import VWriter
 from models.pose import joint_vectors
 from models.reader_report import ReaderReport
 from models.rotations import geodesic_angle
@@ -28,25 +32,19 @@ from tests.support.hand_recording import (
     markers,
     played,
     touch_log,
-    write_bvh,
     write_pose_table,
     write_shown,
     write_tsv,
 )
+from tests.support.motion_poses import written
 from tests.support.tuio_packets import frame as tuio_frame
 
 AHEAD = 1.25
-
-
 WIDTH, HEIGHT = 0.3, 0.25
 
-
-CORNERS = """
-[surface]
-top_left = [0, 0, 0]
-top_right = [1, 0, 0]
-bottom_left = [0, -1, 0]
-"""
+CORNERS = "[surface]\ntop_left = [0, 0, 0]\ntop_right = [1, 0, 0]\nbottom_left = "
+WRITERS = {"bvh": (BvhWriter, "y"), "amc": (AmcWriter, "y"), "v": (VWriter, "z")}
+"""By the file's ending, and the axis that points up in it."""
 
 
 @pytest.fixture(scope="module")
@@ -58,12 +56,13 @@ def truth() -> Truth:
 def folder(truth: Truth, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Files of one session, as different recorders would write them."""
     folder = tmp_path_factory.mktemp("session")
-    log = touch_log(truth, AHEAD)
-    write_shown(folder / "shown.jsonl", log)
-    write_bvh(folder / "hand.bvh", truth)
+    write_shown(folder / "shown.jsonl", touch_log(truth, AHEAD))
     write_tsv(folder / "hand.tsv", markers(truth))
     write_pose_table(folder / "hand.csv", truth.time, truth.q)
-    (folder / "corners.toml").write_text(CORNERS)
+    for kind, (make, _) in WRITERS.items():
+        written(lambda a, m=make, k=kind: m(folder / f"hand.{k}", a, RATE), truth.skeleton, truth.q)  # type: ignore[misc]
+    (folder / "z.toml").write_text(CORNERS + "[0, -1, 0]\n")
+    (folder / "y.toml").write_text(CORNERS + "[0, 0, 1]\n")
     return folder
 
 
@@ -88,32 +87,22 @@ def assert_as_played(
     return capture
 
 
-def test_touches_and_bvh_become_a_capture_by_taps(
-    folder: Path, truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
+@pytest.mark.parametrize("kind", WRITERS)
+def test_touches_and_motion_become_a_capture_by_taps(
+    folder: Path, truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path, kind: str
 ) -> None:
     status, out, err = converted(
         capsys,
-        f"--touches {folder}/shown.jsonl --joints {folder}/hand.bvh",
-        f"--mapping {folder}/corners.toml --sync tap --out {tmp_path}/c.npz --subject P07",
-        "--simulated",
+        f"--touches {folder}/shown.jsonl --joints {folder}/hand.{kind} --sync tap --subject P07",
+        f"--mapping {folder}/{WRITERS[kind][1]}.toml --out {tmp_path}/c.npz --simulated",
     )
     assert status == 0, err
     assert "with one finger" in out and "taps agreeing" in out and "offset" in out
+    # Joints show no twist of the last bones.
     capture = assert_as_played(tmp_path / "c.npz", truth, degrees=4.0, wrist=0.004)
     assert capture.meta["subject"] == "P07" and capture.meta["simulated"] is True
-    assert abs(capture.meta["conversion"]["offset_s"] - AHEAD) < 1 / RATE
-
-
-def test_touches_and_a_table_become_a_capture_by_clock(
-    folder: Path, truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    status, _, err = converted(
-        capsys,
-        f"--touches {folder}/shown.jsonl --joints {folder}/hand.csv --sync clock",
-        f"--offset {AHEAD} --scale {SCALE} --out {tmp_path}/c.npz",
-    )
-    assert status == 0, err
-    assert_as_played(tmp_path / "c.npz", truth, degrees=0.5, wrist=0.001)
+    found = capture.meta["conversion"]
+    assert abs(found["offset_s"] - AHEAD) < 1 / RATE and abs(found["hand_scale"] - SCALE) < 0.01
 
 
 def test_markers_alone_become_a_capture(
@@ -121,25 +110,28 @@ def test_markers_alone_become_a_capture(
 ) -> None:
     status, out, err = converted(
         capsys,
-        f"--markers {folder}/hand.tsv --mapping {folder}/corners.toml --out {tmp_path}/c.npz",
+        f"--markers {folder}/hand.tsv --mapping {folder}/z.toml --out {tmp_path}/c.npz",
     )
     assert status == 0, err
     assert "within 5 mm" in out
-    assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
+    capture = assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
+    rows = np.round(capture.time * RATE).astype(int)
+    both = capture.down & truth.down[rows]
+    assert np.linalg.norm(capture.xy - truth.xy[rows], axis=2)[both].mean() < 0.006
 
 
 def test_a_left_hand_comes_out_as_its_mirror_image(
-    truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    folder: Path, truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     points = {name: p * [-1.0, 1.0, 1.0] for name, p in markers(truth).items()}
     write_tsv(tmp_path / "left.tsv", points)
     log = touch_log(truth, AHEAD)
     write_shown(tmp_path / "left.jsonl", replace(log, xy=log.xy * [-1.0, 1.0]))
-    (tmp_path / "corners.toml").write_text(CORNERS)
+    shutil.copy(folder / "z.toml", tmp_path)
     status, _, err = converted(
         capsys,
         f"--touches {tmp_path}/left.jsonl --markers {tmp_path}/left.tsv --side left",
-        f"--mapping {tmp_path}/corners.toml --offset {AHEAD} --out {tmp_path}/c.npz",
+        f"--mapping {tmp_path}/z.toml --offset {AHEAD} --out {tmp_path}/c.npz",
     )
     assert status == 0, err
     capture = assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010)
@@ -200,6 +192,52 @@ def test_the_real_glove_becomes_a_capture(
     assert len(capture) > 100 and len(np.unique(capture.trial)) > 5
 
 
+@pytest.mark.parametrize(("kind", "skeleton"), [("amc", ".asf"), ("v", ".vsk")])
+def test_a_motion_needs_its_skeleton_beside_it_or_by_name(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, skeleton: str
+) -> None:
+    shutil.copy(folder / f"hand.{kind}", tmp_path)
+    shutil.copy(folder / f"hand{skeleton}", tmp_path / f"elsewhere{skeleton}")
+    line = (
+        f"--touches {folder}/shown.jsonl --joints {tmp_path}/hand.{kind} --offset {AHEAD}",
+        f"--mapping {folder}/{WRITERS[kind][1]}.toml --out {tmp_path}/c.npz",
+    )
+    status, _, err = converted(capsys, *line)
+    assert status == 2 and f"--skeleton FILE{skeleton}" in err
+    assert converted(capsys, *line, f"--skeleton {tmp_path}/elsewhere{skeleton}")[0] == 0
+    status, _, err = converted(capsys, *line, f"--skeleton {folder}/y.toml")
+    assert status == 2 and "y.toml" in err
+
+
+def test_the_rate_of_a_foreign_amc_file_comes_from_an_option(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copy(folder / "hand.asf", tmp_path)
+    text = (folder / "hand.amc").read_text()
+    assert text.startswith("#!keys a second: 60\n")
+    (tmp_path / "hand.amc").write_text(text.partition("\n")[2])
+    line = (
+        f"--touches {folder}/shown.jsonl --joints {tmp_path}/hand.amc --offset {AHEAD}",
+        f"--mapping {folder}/y.toml --out",
+    )
+    assert converted(capsys, *line, tmp_path / "c.npz", "--joints-rate", RATE)[0] == 0
+    # Without the option, the hand would be twice as fast as its touches.
+    assert converted(capsys, *line, tmp_path / "d.npz")[0] == 2 or len(
+        load_capture(tmp_path / "d.npz")
+    ) < len(load_capture(tmp_path / "c.npz"))
+
+
+def test_a_body_without_fingers_is_refused(
+    folder: Path, shared_data: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    status, _, err = converted(
+        capsys,
+        f"--joints {shared_data}/formats/backflip.amc --mapping {folder}/y.toml",
+        f"--out {tmp_path}/c.npz",
+    )
+    assert status == 2 and "not recognised" in err
+
+
 BAD = {
     "no hand": (["--touches", "shown.jsonl"], "one recording of the hand"),
     "two hands": (["--joints", "hand.bvh", "--markers", "hand.tsv"], "one recording"),
@@ -209,9 +247,12 @@ BAD = {
     "unknown kind": (["--joints", "shown.jsonl"], "cannot be read"),
     "no surface": (["--touches", "shown.jsonl", "--joints", "hand.bvh"], "touch surface in this"),
     "wrong unit": (
-        ["--markers", "hand.tsv", "--mapping", "corners.toml", "--unit", "0.1"],
+        ["--markers", "hand.tsv", "--mapping", "z.toml", "--unit", "0.1"],
         "size",
     ),
+    "a skeleton alone": (["--joints", "hand.asf", "--mapping", "y.toml"], "give the motion"),
+    "another skeleton alone": (["--joints", "hand.vsk", "--mapping", "y.toml"], "give the motion"),
+    "bad rate of joints": (["--joints", "hand.amc", "--joints-rate", "-5"], "--joints-rate"),
     "bad rate": (["--markers", "hand.tsv", "--rate", "0"], "--rate"),
     "bad offset": (["--joints", "hand.csv", "--offset", "nan"], "--offset"),
     "bad threshold": (["--joints", "hand.csv", "--threshold", "500"], "--threshold"),
