@@ -37,10 +37,12 @@ BOTH: dict[Literal["simulated", "commanded"], Any] = {
 }
 
 
+Recorded = tuple[Path, dict[str, list[Keys]], dict[float, Array]]
+"""Folder of a session's files, keys by kind of motion, and fingertips (5, 3) m by time."""
+
+
 @pytest.fixture(scope="module")
-def session(
-    tmp_path_factory: pytest.TempPathFactory,
-) -> tuple[Path, dict[str, list[Keys]], dict[float, Array]]:
+def session(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     """A recorded trial; BVHs that views wrote meanwhile; and the keys somebody else collected."""
     folder = tmp_path_factory.mktemp("session")
     chosen = trial_settings(TrialOptions(seed=3, fingers=3))
@@ -87,7 +89,7 @@ def two_hands(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Arra
 
 @pytest.mark.parametrize("of", BOTH)
 def test_a_session_to_keys_to_bvh_is_the_bvh_that_was_written_directly(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], of: str, tmp_path: Path
+    session: Recorded, of: str, tmp_path: Path
 ) -> None:
     folder, keys, _ = session
     with BvhWriter(tmp_path / "keys.bvh", Armature(ADULT), 60.0) as writer:
@@ -97,7 +99,7 @@ def test_a_session_to_keys_to_bvh_is_the_bvh_that_was_written_directly(
 
 
 def test_a_recording_played_again_commands_to_the_bit_what_was_commanded(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], tmp_path: Path
+    session: Recorded, tmp_path: Path
 ) -> None:
     folder, _, _ = session
     out = tmp_path / "again.bvh"
@@ -106,7 +108,7 @@ def test_a_recording_played_again_commands_to_the_bit_what_was_commanded(
 
 
 def test_a_recordings_own_poses_are_the_simulated_hand_to_what_it_rounds(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], tmp_path: Path
+    session: Recorded, tmp_path: Path
 ) -> None:
     folder, _, tips = session
     out = tmp_path / "hand.bvh"
@@ -126,9 +128,7 @@ def test_a_recordings_own_poses_are_the_simulated_hand_to_what_it_rounds(
 
 
 @pytest.mark.parametrize("kind", [".csv", ".c3d", ".glb", ".amc", ".asf", ".v", ".vsk"])
-def test_every_format_is_written(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], tmp_path: Path, kind: str
-) -> None:
+def test_every_format_is_written(session: Recorded, tmp_path: Path, kind: str) -> None:
     out = tmp_path / f"hand{kind}"
     assert main(["export", str(session[0] / "run.jsonl"), "--to", str(out)]) == 0
     beside = {".amc": {"hand.asf"}, ".asf": {"hand.amc"}, ".v": {"hand.vsk"}}.get(kind, set())
@@ -197,9 +197,7 @@ def test_a_recording_that_is_cut_before_its_first_pose_says_so_and_names_itself(
 
 
 def test_a_compressed_recording_is_the_same_to_the_bit(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    session: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder, _, _ = session
     packed = tmp_path / "run.jsonl.gz"
@@ -220,9 +218,7 @@ def test_a_compressed_recording_is_the_same_to_the_bit(
 
 
 def test_what_cannot_be_exported_is_refused_in_one_line(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    session: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder, _, _ = session
     run = str(folder / "run.jsonl")

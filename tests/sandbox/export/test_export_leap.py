@@ -183,24 +183,6 @@ def test_a_hand_that_is_lost_keeps_its_pose_and_one_that_comes_late_waits_in_its
         assert np.abs(part[60] - part[350]).max() > 0.01
 
 
-@pytest.mark.needs("ezc3d")
-def test_other_programs_find_paalms_fingertips_where_the_leap_saw_them(tmp_path: Path) -> None:
-    import ezc3d
-
-    path = write(tmp_path / "leap.json", alone("left"))
-    for name in ("x.c3d", "x.bvh"):
-        assert exported(path, tmp_path / name, "--hand", "left") == 0
-    file = ezc3d.c3d(str(tmp_path / "x.c3d"))
-    labels = file["parameters"]["POINT"]["LABELS"]["value"]
-    assert labels[1:] == ["index_tip", "middle_tip", "ring_tip", "little_tip"]
-    assert file["parameters"]["POINT"]["RATE"]["value"][0] == RATE
-    wrist, frame, _ = wrist_and_tips(tmp_path / "x.bvh")
-    points = file["data"]["points"][:3, 1:].transpose(2, 1, 0) / 1000.0
-    for i, hand in enumerate(paalm_hands(path, "left")):
-        truth = wrist[i] + (tips_of(hand) * [-1.0, 1.0, 1.0]) @ frame[i].T
-        assert np.abs(points[i] - truth).max() < 2e-6
-
-
 @pytest.mark.parametrize("share", [0.3, 0.7, 0.999])
 def test_a_list_that_is_cut_short_is_refused_and_leaves_no_file(
     share: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]

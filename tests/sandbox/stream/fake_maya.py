@@ -84,19 +84,14 @@ class FakeMaya:
         found = self.selected if selection else [n for x in names for n in self._all(x)]
         return [n.path if long else self._said(n) for n in found if type in (None, n.kind)]
 
-    def listRelatives(
-        self,
-        name: str,
-        *,
-        parent: bool = False,
-        children: bool = False,
-        type: str | None = None,
-        fullPath: bool = False,
-    ) -> list[str] | None:
-        node = self._find(name)
-        found = [node.parent] if parent else [n for n in self.nodes if n.parent is node]
-        chosen = [n for n in found if n is not None and type in (None, n.kind)]
-        return [n.path if fullPath else self._said(n) for n in chosen] or None
+    def listRelatives(self, name: str, **flags: Any) -> list[str] | None:
+        _only(flags, "parent", "children", "type", "fullPath")
+        node, kind = self._find(name), flags.get("type")
+        found = (
+            [node.parent] if flags.get("parent") else [n for n in self.nodes if n.parent is node]
+        )
+        chosen = [n for n in found if n is not None and kind in (None, n.kind)]
+        return [n.path if flags.get("fullPath") else self._said(n) for n in chosen] or None
 
     def objExists(self, name: str) -> bool:
         return self._get(name) is not None
@@ -133,10 +128,8 @@ class FakeMaya:
         unit = 1.0 if name.startswith("translate") else self._unit
         return [tuple((node.triple(name) / unit).tolist())]
 
-    def listConnections(
-        self, attribute: str, *, source: bool, destination: bool
-    ) -> list[str] | None:
-        assert source and not destination
+    def listConnections(self, attribute: str, **flags: bool) -> list[str] | None:
+        assert flags == {"source": True, "destination": False}
         node, name = self._attribute(attribute)
         curve = [f"{node.name}_{name}"] if name in node.curves else []
         return [*node.drivers.get(name, []), *curve] or None
@@ -151,19 +144,12 @@ class FakeMaya:
             self.range[flag] = float(value)
         return self.range[flag]
 
-    def xform(
-        self,
-        name: str,
-        *,
-        query: bool,
-        worldSpace: bool,
-        translation: bool = False,
-        matrix: bool = False,
-    ) -> list[float]:
-        assert query and worldSpace and translation != matrix
+    def xform(self, name: str, **flags: bool) -> list[float]:
+        wanted = set(flags) - {"query", "worldSpace"}
+        assert len(flags) == 3 and all(flags.values()) and wanted <= {"translation", "matrix"}
         self.evaluate()
         place, turn = self._find(name).world()
-        if translation:
+        if "translation" in flags:
             return place.tolist()
         whole = np.eye(4)
         whole[:3, :3], whole[3, :3] = turn.T, place  # rows are axes
@@ -193,17 +179,10 @@ class FakeMaya:
             raise RuntimeError("a pole vector needs a rotate plane handle")
         return [self._constrain("poleVectorConstraint", target, name)]
 
-    def parentConstraint(
-        self,
-        *names: str,
-        maintainOffset: bool = False,
-        query: bool = False,
-        targetList: bool = False,
-    ) -> list[str]:
-        if query:
-            assert targetList
+    def parentConstraint(self, *names: str, **flags: bool) -> list[str]:
+        if flags == {"query": True, "targetList": True}:
             return [self._said(self._find(names[0]).about["target"])]
-        assert maintainOffset
+        assert flags == {"maintainOffset": True}
         target, moved = names
         return [self._constrain("parentConstraint", target, moved)]
 
@@ -226,20 +205,13 @@ class FakeMaya:
         return self.time
 
     def bakeResults(
-        self,
-        names: list[str],
-        *,
-        time: tuple[float, float],
-        attribute: list[str],
-        simulation: bool,
-        sampleBy: float,
-        disableImplicitControl: bool,
-        preserveOutsideKeys: bool,
+        self, names: list[str], *, time: tuple[float, float], attribute: list[str], **flags: Any
     ) -> int:
-        assert simulation and preserveOutsideKeys
+        _only(flags, "sampleBy", "simulation", "disableImplicitControl", "preserveOutsideKeys")
+        assert flags["simulation"] and flags["preserveOutsideKeys"]
         before, nodes = self.time, [self._find(n) for n in names]
         baked: dict[tuple[int, str], dict[float, float]] = {}
-        for frame in np.arange(time[0], time[1] + 1e-6, sampleBy).tolist():
+        for frame in np.arange(time[0], time[1] + 1e-6, flags["sampleBy"]).tolist():
             self.currentTime(frame)
             self.evaluate()
             for i, node in enumerate(nodes):
@@ -248,56 +220,40 @@ class FakeMaya:
         for (i, one), keys in baked.items():
             nodes[i].curves[one] = keys
         for handle in (n for n in self.nodes if n.kind == "ikHandle"):
-            if disableImplicitControl and any(j in nodes for j in handle.about["chain"][:-1]):
+            baked_too = any(joint in nodes for joint in handle.about["chain"][:-1])
+            if flags["disableImplicitControl"] and baked_too:
                 handle.about["on"] = False
         self.currentTime(before)
         self._did("bakeResults")
         return len(nodes)
 
-    def currentUnit(
-        self, *, query: bool, time: bool = False, linear: bool = False, angle: bool = False
-    ) -> str:
-        assert query and time + linear + angle == 1
-        return self._units["time" if time else "linear" if linear else "angle"]
+    def currentUnit(self, *, query: bool, **flags: bool) -> str:
+        assert query and all(flags.values())
+        (kind,) = flags
+        return self._units[kind]
 
     def upAxis(self, *, query: bool, axis: bool) -> str:
         assert query and axis
         return self._up
 
-    def undoInfo(
-        self,
-        *,
-        query: bool = False,
-        state: bool = False,
-        openChunk: bool = False,
-        closeChunk: bool = False,
-        chunkName: str = "",
-        stateWithoutFlush: bool | None = None,
-    ) -> bool:
-        if openChunk:
-            self._did(chunkName)
+    def undoInfo(self, **flags: Any) -> bool:
+        _only(flags, "query", "state", "openChunk", "closeChunk", "chunkName", "stateWithoutFlush")
+        if flags.get("openChunk"):
+            self._did(flags["chunkName"])
             self._chunks += 1
-        elif closeChunk:
+        elif flags.get("closeChunk"):
             self._chunks -= 1
-        elif stateWithoutFlush is not None:
-            self._undo_on = stateWithoutFlush
+        else:
+            self._undo_on = flags.get("stateWithoutFlush", self._undo_on)
         return self._undo_on
 
     def warning(self, text: str) -> None:
         self.warnings.append(text)
 
-    def commandPort(
-        self,
-        port: str | None = None,
-        *,
-        name: str = "",
-        query: bool = False,
-        close: bool = False,
-        **flags: Any,
-    ) -> bool:
-        if query:
+    def commandPort(self, port: str = "", *, name: str = "", **flags: Any) -> bool:
+        if flags.get("query"):
             return port in self.ports
-        if close:
+        if flags.get("close"):
             del self.ports[name]
         else:
             self.ports[name] = flags
@@ -383,6 +339,11 @@ class FakeMaya:
     def _did(self, what: str) -> None:
         if self._undo_on and not self._chunks:
             self.undo.append(what)
+
+
+def _only(flags: dict[str, Any], *known: str) -> None:
+    """Any other flag is an error."""
+    assert set(flags) <= set(known), flags
 
 
 def _ids(about: dict[str, Any]) -> set[int]:

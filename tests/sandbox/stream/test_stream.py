@@ -38,6 +38,7 @@ from sandbox.stream.guest import (
 from sandbox.stream.hand_sources import StreamPace, StreamPlayer
 from sandbox.stream.lines import BLENDER, LIMIT, MAYA, MAYA_MEL, HandLines, StreamTarget
 from sandbox.stream.sender import Sender, parse_address
+from tests.sandbox.export.test_export_leap import alone, write
 from tests.sandbox.stream.command_port import CommandPort, Manners
 from tests.sandbox.stream.fake_maya import FakeMaya, maya_with
 from tests.sandbox.stream.fake_maya_joints import turned
@@ -311,12 +312,16 @@ def moments(out: str) -> list[Line]:
     return lines[1:-1]
 
 
+@pytest.mark.parametrize("device", ["simulated", "leap"])
 def test_a_recording_is_streamed_as_it_is_exported(
-    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    device: str, recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    main(["export", str(recording), "--to", str(tmp_path / "a.bvh")])
+    source, hand = str(recording), []
+    if device == "leap":
+        source, hand = str(write(tmp_path / "leap.json", alone("right")[:200])), ["--hand", "right"]
+    assert main(["export", source, "--to", str(tmp_path / "a.bvh"), *hand]) == 0
     capsys.readouterr()
-    assert main(["stream", str(recording), "--print", "--blender", ":1", "--speed", "100"]) == 0
+    assert main(["stream", source, "--print", "--blender", ":1", "--speed", "100", *hand]) == 0
     told = moments(capsys.readouterr().out)
     truth = read_bvh(tmp_path / "a.bvh").place().positions[:, 0] @ Y_UP
     assert np.allclose([line.place for line in told], truth, atol=2e-6)
@@ -340,11 +345,3 @@ def test_options_that_make_no_sense_are_one_clear_line(
     assert main(["stream", *words]) == 2
     told = capsys.readouterr().err
     assert said in told and told.count("\n") == 1
-
-
-@pytest.mark.parametrize("program", ["maya", "blender"])
-def test_scripts_are_printed_whole(program: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["stream", "--script", program]) == 0
-    text = capsys.readouterr().out
-    compile(text, program, "exec")
-    assert "sandbox.stream" not in text.replace("sandbox stream", "")

@@ -10,18 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.paalm import Paalm
-from encoders.paalm.average import calibrate_on_recording
-from models.motion.armature import Y_UP
 from models.motion.sampling import Poses
-from models.pose import ROOT_POSITION
 from models.rotations import quaternion_to_matrix
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap import LeapDevice
 from sandbox.devices.leap.leap_fake import FakeLeapd
-from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.export.leap_source import straight_reconstructor
 from sandbox.stream.guest import Line
 from sandbox.stream.hand_sources import source_of_leap
 from tests.sandbox.export.test_export_leap import alone, together, write
@@ -30,22 +24,6 @@ from tests.sandbox.export.test_export_leap import alone, together, write
 def moments(text: str) -> list[Line]:
     lines = [Line(command.split("'")[1]) for command in text.strip().splitlines()]
     return [line for line in lines if line.kind == "moment"]
-
-
-def test_a_recording_of_a_leap_is_streamed_where_the_device_saw_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = write(tmp_path / "leap.json", alone("right")[:200])
-    line = ["stream", str(path), "--hand", "right", "--print", "--rate", "100", "--speed", "100"]
-    assert main(line) == 0
-    told = moments(capsys.readouterr().out)
-    recording, paalm = read_leap(path), Paalm()
-    assert calibrate_on_recording(paalm, recording.frames, "right") == ""
-    truth = straight_reconstructor("right", paalm.calibration["right"])
-    wrists = [truth.step(frame).q[ROOT_POSITION] for frame in recording.frames]
-    assert len(told) == len(wrists)
-    for one, wrist in zip(told, wrists, strict=True):
-        assert np.allclose(one.place, Y_UP @ wrist, atol=2e-6)
 
 
 def test_both_hands_are_streamed_each_as_its_own(
