@@ -109,6 +109,7 @@ PARTS = {
     "a negative size": (OTHER + ', "size": -1}', 2, ""),
     "a size of 0": (OTHER + ', "size": 0, "width": 0, "height": 0.3}', 2, ""),
     "a size of 30 x 2000 px": (OTHER + ', "width": 0.2, "height": 15}', 2, "no finger or hand has"),
+    "a little beyond the edge": ('{"id": 2, "x": 7.9, "y": -0.2}', 2, ""),
     "far beyond the edge": ('{"id": 2, "x": 1e9, "y": 1}', 1, "beyond the surface"),
     "a lift of 7": (OTHER + '}], "lift": 7, "cancelled": ["a"], "more": [4', 2, "lift control"),
 }

@@ -396,6 +396,10 @@ SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
         lambda: every(lambda m, i: [hand.update(id=1) for hand in m["hands"]], doubled(leap())),
         "refused: no usable Leap frames",
     ),
+    "a fingertip nine metres away": (
+        leaps(lambda m, i: i == 30 and m["pointables"][1].update(tipPosition=[9e3, 0.0, 0.0])),
+        "left out: 1 fingers skipped: the tip is beyond a hand's reach",
+    ),
     "a hand that jumps by a metre for a frame": (
         leaps(lambda m, i: moved(m, 1000.0) if i == 30 else None),
         "1 hands skipped: hands that jump farther than a hand moves",

@@ -66,15 +66,15 @@ def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on() -> Non
     device = LeapDevice(f"ws://127.0.0.1:{port}/v6.json")
     frames: list[Any] = []
     try:
-        for _ in range(2):
+        for n in (1, 2):
             server = FakeLeapd(messages(), port=port, rate=400.0, loop=True)
+            until(lambda n=n: device.counts["connections"] == n)  # type: ignore[misc]
             more = len(frames) + 50
             until(lambda n=more: frames.extend(device.poll(0.0)) or len(frames) > n)  # type: ignore[misc]
             server.close()
             until(lambda: not device.connected.is_set())
     finally:
         device.close()
-    assert device.counts["connections"] == 2
     assert all(a.time < b.time for a, b in pairwise(frames))
 
 

@@ -187,6 +187,7 @@ def test_a_text_or_a_huge_message_on_a_websocket_is_counted(device: TuioDevice) 
         (["[:8080"], [], "host"),
         (["127.0.0.1:8080"], ["https://example.com"], "origin"),
         (["127.0.0.1:8080"], ["null"], "origin"),
+        (["127.0.0.1:8080"], ["http://127.0.0.1", "http://127.0.0.1"], "origin"),
         (["192.168.1.20:8080"], ["http://192.168.1.21"], "origin"),
     ],
 )
