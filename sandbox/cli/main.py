@@ -35,7 +35,6 @@ sandbox/cli/COMMAND.py, or of sandbox/cli/COMMAND/command.py if `IN_FOLDERS` nam
 IN_FOLDERS = {
     "capture",
     "devices",
-    "evaluate",
     "hand",
     "study",
     "touches",

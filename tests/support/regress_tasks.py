@@ -77,17 +77,6 @@ class Raising(Quick):
         return super().measure(sensing)
 
 
-class Stopping(Quick):
-    """Somebody presses Ctrl-C during seed 2."""
-
-    name: ClassVar[str] = "stopping"
-
-    def measure(self, sensing: Sensing) -> Measure:
-        if self.seed == 2:
-            signal.raise_signal(signal.SIGINT)
-        return super().measure(sensing)
-
-
 class StoppingOnce(Quick):
     """Somebody presses Ctrl-C twice during the first seed 2."""
 

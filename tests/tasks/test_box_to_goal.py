@@ -83,32 +83,11 @@ def test_every_trial_is_within_its_ranges(seed: int, surface: Surface) -> None:
         assert np.all(place <= surface.size - BORDER + 1e-9)
 
 
-@given(seed=seeds, centre=st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0, 0.1)))
-def test_a_trial_moves_with_the_surface(seed: int, centre: tuple[float, float, float]) -> None:
-    here, there = Surface().centred_at((0, 0, 0)), Surface().centred_at(centre)
-    a, b = BoxToGoal.draw(seed, here), BoxToGoal.draw(seed, there)
-    shift = np.array([centre[0], centre[1], 0.0])
-    np.testing.assert_allclose(
-        np.array(b.objects[0].position) - a.objects[0].position, shift, atol=1e-12
-    )
-    np.testing.assert_allclose(
-        np.array(b.goals[0].position) - a.goals[0].position, shift, atol=1e-12
-    )
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_a_box_that_stands_on_its_goal_has_arrived(seed: int) -> None:
-    trial = Trial(seed)
-    trial.place()
-    run(trial.scene, trial.data, 0.1)
-    assert trial.task.measure(trial.sensing) == Measure(True, 1.0, "")
-
-
-@pytest.mark.parametrize("degrees", [90.0, 180.0, -90.0, 270.0])
-def test_a_quarter_turn_of_a_cube_counts_as_no_turn(trial: Trial, degrees: float) -> None:
-    trial.place(turn=degrees)
-    run(trial.scene, trial.data, 0.1)
-    assert trial.task.measure(trial.sensing).reached
+@pytest.mark.parametrize("degrees", [0.0, 90.0, 180.0, -90.0, 270.0])
+def test_a_cube_at_its_goal_has_arrived_and_a_quarter_turn_counts_as_none(
+    trial: Trial, degrees: float
+) -> None:
+    assert resting(trial, turn=degrees) == Measure(True, 1.0, "")
 
 
 def resting(trial: Trial, **place: Any) -> Measure:
@@ -118,15 +97,14 @@ def resting(trial: Trial, **place: Any) -> Measure:
     return trial.task.measure(trial.sensing)
 
 
-@pytest.mark.parametrize("direction", [(1, 0), (-1, 0), (0, 1), (0, -1), (0.6, 0.8)])
+@pytest.mark.parametrize("direction", [(1, 0), (0, -1), (0.6, 0.8)])
 def test_a_centimetre_off_is_off(trial: Trial, direction: tuple[float, float]) -> None:
     step = np.array([*direction, 0.0])
     assert resting(trial, shift=0.009 * step).reached
     assert not resting(trial, shift=0.011 * step).reached
 
 
-@pytest.mark.parametrize("quarter", [0.0, 90.0, 180.0, 270.0])
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(("quarter", "sign"), [(0.0, 1.0), (0.0, -1.0), (90.0, 1.0), (180.0, -1.0)])
 def test_eleven_degrees_are_too_many(trial: Trial, sign: float, quarter: float) -> None:
     assert resting(trial, turn=quarter + 9.0 * sign).reached
     assert not resting(trial, turn=quarter + 11.0 * sign).reached

@@ -42,7 +42,6 @@ from tests.support.scripted import Script
 pytest_plugins = ["sandbox.regression"]
 
 MUG = ROOT / "examples" / "push_the_mug.py"
-PUCK = str(ROOT / "examples" / "push_the_puck.py")
 SURFACE = Surface().centred_at((0.0, 0.0, 0.015))
 
 
@@ -59,20 +58,16 @@ class Slide(CustomTask):
         return judge(0.5, (True, "never"))
 
 
-def test_a_seed_and_a_version_are_one_trial() -> None:
+def test_another_seed_version_or_name_is_another_trial() -> None:
     class Second(Slide):
         version = 2
 
     class Renamed(Slide):
         name = "test-slide-too"
 
-    first = draw_task(Slide, 3, SURFACE)
-    assert first == draw_task(Slide, 3, SURFACE)
-    starts = {
-        draw_task(k, s, SURFACE).objects[0].position
-        for k, s in ((Slide, 3), (Slide, 4), (Second, 3), (Renamed, 3))
-    }
-    assert len(starts) == 4
+    kinds = ((Slide, 3), (Slide, 3), (Slide, 4), (Second, 3), (Renamed, 3))
+    starts = [draw_task(kind, seed, SURFACE).objects[0].position for kind, seed in kinds]
+    assert starts[0] == starts[1] and len(set(starts)) == 4
 
 
 @given(seed=st.integers(0, 10_000))
@@ -205,24 +200,15 @@ def test_a_mechanism_that_is_placed_into_the_table_is_refused(places: tuple[floa
 
 
 def test_objects_that_just_touch_do_not_overlap() -> None:
-    def place(
-        cls: type[Slide], rng: np.random.Generator, surface: Surface
-    ) -> tuple[list[Box], list[Goal]]:
-        return [BOX, replace(BOX, name="other", position=(0.0, 0.0, 0.06))], []
-
-    check_task(broken(place=classmethod(place)), [0])
+    both = [BOX, replace(BOX, name="other", position=(0.0, 0.0, 0.06))], []
+    check_task(broken(place=classmethod(lambda *_: both)), [0])
 
 
 @pytest.mark.parametrize(
     "place",
     [
         fails,
-        lambda cls, rng, surface: ([], []),
-        lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]),
         lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]),
-        lambda cls, rng, surface: ([replace(BOX, mass=0.0)], []),
-        lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, np.nan, 0.02))], []),
-        lambda cls, rng, surface: ([replace(BOX, friction=np.inf)], []),
         lambda cls, rng, surface: ([replace(BOX, name="right_palm")], []),
     ],
 )
@@ -243,11 +229,6 @@ def test_a_measure_that_moves_something_is_found_by_its_author() -> None:
 
     with pytest.raises(InputError, match="`measure` changes the simulation"):
         check_task(broken(measure=measure))
-
-
-@pytest.mark.parametrize("name", TASKS)
-def test_every_task_of_ours_keeps_to_the_rules(name: str) -> None:
-    check_task(name, range(3))
 
 
 @pytest.mark.parametrize("file", ["open_the_drawer.py", "push_the_mug.py", "push_the_puck.py"])
@@ -377,24 +358,6 @@ def test_tasks_are_found_by_module_and_class_as_well(tmp_path: Path) -> None:
             find_task(str(wrong))
 
 
-def test_the_example_is_done_by_the_simulated_user(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    record, out = tmp_path / "mug.jsonl", tmp_path / "mug.json"
-    arguments = ["run", str(MUG), "--seed", "2", "--record", str(record), "--json", str(out)]
-    assert main(arguments) == 0
-    result = json.loads(out.read_text())
-    assert result["success"] and result["task"] == "my-lab-push-the-mug"
-    assert main(["replay", str(record)]) == 0
-    assert "exact" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("seed", [0, 1])
-def test_the_example_with_a_user_of_its_own_is_done_by_that_user(seed: int) -> None:
-    run = run_trial(PUCK, seed)
-    assert run.success
-
-
 @pytest.mark.parametrize("here", [".", "examples", "sandbox"])
 def test_without_a_touch_the_example_is_not_done_and_its_command_names_the_file(
     regression: Regression, monkeypatch: pytest.MonkeyPatch, here: str
@@ -408,21 +371,12 @@ def test_without_a_touch_the_example_is_not_done_and_its_command_names_the_file(
     assert Path(command[2]).resolve() == MUG.resolve()
 
 
-def recorded(path: Path, task: str, **source: object) -> None:
-    """A recording's header, with where its task is from."""
-    settings = encoded(Settings(task=task))
-    header = {"kind": "header", "schema": 2, "states": STATES, "settings": settings}
-    path.write_text(json.dumps({**header, "task_from": source}) + "\n")
-
-
 def test_a_recording_of_another_version_of_its_task_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "run.jsonl"
-    recorded(
-        path,
-        "tests.support.regress_tasks:Quick",
-        entry_point="tests.support.regress_tasks:Quick",
-        task_version=7,
-    )
+    path, task = tmp_path / "run.jsonl", "tests.support.regress_tasks:Quick"
+    header = {"kind": "header", "schema": 2, "states": STATES}
+    header |= {"settings": encoded(Settings(task=task))}
+    header |= {"task_from": {"entry_point": task, "task_version": 7}}
+    path.write_text(json.dumps(header) + "\n")
     with pytest.raises(RecordingError, match="version 1 of the task, not 7"):
         settings_of(load_recording(path))
 

@@ -1,15 +1,24 @@
-"""Every task begins undone, stays undone by itself, and is refused where it has no room."""
+"""Every task has fair trials, which begin undone, stay undone by themselves, and can be done."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from models.errors import SurfaceTooSmallError
 from models.surface import Surface
+from sandbox.cli.common.command_line import parse
 from sandbox.trial.assembly import build, device_makers
+from sandbox.trial.driver import play_trial
+from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tasks.registry import TASKS, find_task
+from tasks.registry import TASKS, find_task, hands_of
 from tasks.task import place_surface
+from tasks.task_checks import check_task
 
 NO_ROOM = {
     "box-to-goal": [(2.0, 2.0), (3.0, 10.0), (5.0, 3.0)],
@@ -30,8 +39,43 @@ NO_ROOM = {
 }
 """Inches of surfaces without room, by task."""
 
+every = pytest.mark.parametrize("name", TASKS)
+metres = st.floats(-0.5, 0.5)
 
-@pytest.mark.parametrize("name", TASKS)
+
+def played(words: str) -> TrialResult:
+    """Result of a trial by the simulated user, as `sandbox run` plays it."""
+    return play_trial(trial_settings(parse(TrialOptions, "sandbox run", words.split())))
+
+
+@every
+def test_every_task_keeps_to_the_rules(name: str) -> None:
+    check_task(name, range(3))
+
+
+@every
+@settings(max_examples=10)
+@given(seed=st.integers(0, 2**63 - 1), x=metres, y=metres)
+def test_a_trial_follows_from_its_seed_and_moves_with_its_surface(
+    name: str, seed: int, x: float, y: float
+) -> None:
+    task = find_task(name)
+    here = place_surface(Surface(7.76 * hands_of(task), 5.82), task)
+    shift = np.array([x, 0.0 if task.plane == "front" else y, 0.0])
+    there = replace(here, origin=tuple(np.add(here.origin, shift).tolist()))
+    one, again, moved = task.draw(seed, here), task.draw(seed, here), task.draw(seed, there)
+    for a, b, c in zip(one.objects, again.objects, moved.objects, strict=True):
+        assert (b.position, b.yaw) == (a.position, a.yaw)
+        np.testing.assert_allclose(c.position, a.position + shift, atol=1e-12)
+        assert c.yaw == a.yaw
+    for g, h, i in zip(one.goals, again.goals, moved.goals, strict=True):
+        assert h == g
+        # A goal on an object is relative to that object.
+        np.testing.assert_allclose(i.position, g.position + (not g.on) * shift, atol=1e-12)
+        assert i.yaw == g.yaw
+
+
+@every
 def test_a_surface_without_room_is_refused_in_one_line(name: str) -> None:
     task = find_task(name)
     for size in NO_ROOM[name]:
@@ -40,7 +84,7 @@ def test_a_surface_without_room_is_refused_in_one_line(name: str) -> None:
         assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("name", TASKS)
+@every
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_is_done_at_the_start_nor_without_a_touch(name: str, seed: int) -> None:
     chosen = trial_settings(TrialOptions(task=name, seed=seed, user="idle"))
@@ -53,3 +97,60 @@ def test_nothing_is_done_at_the_start_nor_without_a_touch(name: str, seed: int) 
             rig.device.show(snapshot)
         assert not snapshot.score.instant and snapshot.score.progress < 0.05
     session.close()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "stack --seed 2 --fingers 2",
+        "stack --seed 2 --fingers 3",
+        "stack --seed 2 --fingers 5",
+        "stack --seed 0 --hand left",
+        "stack --seed 0 --turn 180",
+        "stack --seed 0 --hand-size 0.9",
+        "stack-three --seed 0",
+        "wrench-turn --seed 3 --fingers 2",
+        "wrench-turn --seed 3 --fingers 3",
+        "wrench-turn --seed 3 --fingers 5",
+        "wrench-turn --seed 1 --hand left --turn 90",
+        "wrench-slide --seed 3 --fingers 2",
+        "wrench-slide --seed 3 --fingers 3",
+        "wrench-slide --seed 3 --fingers 5",
+        "wrench-slide --seed 1 --hand left --turn 90",
+        "wrench-turn --seed 1 --vary size=0.7",
+        "wrench-turn --seed 1 --vary size=1.4",
+        "wrench-slide --seed 1 --vary size=0.7 --fingers 5",
+        "wrench-slide --seed 1 --vary size=1.4 --hand left --turn 90",
+        "box-to-goal --seed 5 --fingers 3 --turn 90",
+        "box-to-goal --seed 5 --fingers 3 --turn 180",
+        "box-to-goal --seed 5 --fingers 3 --turn 270",
+        "slalom --seed 6001 --solid hand --fingers 2",
+        "slalom --seed 6001 --solid hand --fingers 5",
+        "slalom --seed 6001 --solid fingertips --fingers 2",
+        "slalom --seed 6001 --solid fingertips --fingers 5",
+        "books --seed 7001 --solid hand --hand left",
+        "books --seed 7001 --solid hand --hand right",
+        "books --seed 7001 --solid fingertips --hand left",
+        "books --seed 7001 --solid fingertips --hand right",
+        "gather --seed 6000 --solid hand",
+        "insert --seed 6300 --solid fingertips",
+        "insert --seed 6300 --solid hand --vary room=0.5",
+        "dial --seed 6000 --solid fingertips",
+        "dial --seed 6000 --solid hand",
+        "close-case --seed 6400 --solid fingertips",
+        "close-case --seed 6400 --solid hand",
+        "close-case --seed 6401 --hand left --hand right",
+        "carry-together --seed 0",
+        "carry-together --seed 4 --hand left --hand right",
+        "carry-together --seed 3 --one-surface --surface 15.5x5.8in",
+    ],
+)
+def test_the_simulated_user_does_it(words: str) -> None:
+    result = played(words)
+    assert result.success and result.final, result.reason
+    assert result.respawned == 0 and result.task_version == find_task(result.task).version
+
+
+@pytest.mark.parametrize("task", ["books --seed 7001", "insert --seed 6300"])
+def test_a_user_who_touches_at_random_does_not(task: str) -> None:
+    assert not played(f"{task} --user random").success

@@ -56,14 +56,6 @@ def test_a_run_that_is_resumed_plays_only_what_is_missing_after_a_torn_line(
     assert len(file.read_text().splitlines()) == 3
 
 
-def test_what_a_trial_raises_ends_the_run_and_keeps_those_before(tmp_path: Path) -> None:
-    file = tmp_path / "trials.jsonl"
-    opened(file).play(trial, JOBS[:1], 1)
-    with pytest.raises(AssertionError, match="played again"):
-        opened(file).play(forbidden, JOBS, 1)
-    assert list(opened(file).done) == JOBS[:1]
-
-
 def test_trials_that_are_kept_compressed_are_not_played_again(tmp_path: Path) -> None:
     file, kept = tmp_path / "trials.jsonl", tmp_path / "kept.jsonl.gz"
     opened(file).play(trial, JOBS[:2], 1)

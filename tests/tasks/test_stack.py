@@ -1,4 +1,4 @@
-"""Stacking: every trial is a fair one, and only a stack is a stack."""
+"""Stacking: every trial is a fair one, only a stack is a stack, and hands keep clear of boxes."""
 
 from __future__ import annotations
 
@@ -13,11 +13,16 @@ from hypothesis import strategies as st
 
 from models.arithmetic import Array
 from models.errors import InputError
+from models.objects import Box
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import TABLE
 from models.surface import PRESETS, Surface
+from tasks.simulated_user.grasp import Surroundings, roomiest_grasp
+from tasks.simulated_user.user import Slider
+from tasks.simulated_user.user_hand import Hand
 from tasks.stack import EDGE, GAP, MASS, OFFSET_TOLERANCE, SIDE, YAW, Stack, StackThree
 from tasks.task import Goal, Measure, flat_yaw, place
+from tasks.user import SeenObject, UserConfiguration
 from tests.support.simulation import run
 from tests.support.task_scene import TaskScene
 
@@ -103,20 +108,13 @@ def test_every_trial_is_within_its_ranges(seed: int, kind: type[Stack], surface:
         assert (goal.object, goal.on) == (box.name, below.name)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_box_on_the_middle_of_the_other_is_a_stack(seed: int) -> None:
-    trial = Trial(seed=seed)
-    trial.stack(1, 0)
-    assert trial.after() == Measure(True, 1.0, "")
-
-
 @pytest.mark.parametrize("axis", [0, 1, 2])
-@pytest.mark.parametrize("degrees", [90.0, 180.0])
-def test_a_cube_is_a_cube_on_whichever_face_it_stands(
+@pytest.mark.parametrize("degrees", [0.0, 90.0, 180.0])
+def test_a_box_on_the_middle_of_the_other_is_a_stack_on_whichever_face_it_stands(
     trial: Trial, axis: int, degrees: float
 ) -> None:
     trial.stack(1, 0, rotation=exp(np.deg2rad(degrees) * np.eye(3)[axis]))
-    assert trial.after().reached
+    assert trial.after() == Measure(True, 1.0, "")
 
 
 @pytest.mark.parametrize("direction", [(1, 0), (0, -1), (0.6, 0.8)])
@@ -236,3 +234,66 @@ def test_the_direction_of_a_cube_is_the_same_on_every_face_but_for_quarter_turns
 ) -> None:
     rotation = exp(np.array([0.0, 0.0, angle])) @ exp(turns * np.pi / 2 * np.eye(3)[face])
     assert np.sin(2 * (flat_yaw(rotation) - angle)) == pytest.approx(0.0, abs=1e-9)
+
+
+USER = UserConfiguration()
+HAND = Hand.draw(USER, 0)
+
+
+@given(
+    seed=st.integers(0, 1_000),
+    heights=st.lists(st.floats(-0.1, 0.3), min_size=1, max_size=6),
+)
+def test_a_slider_stays_on_its_way_and_goes_where_it_should(
+    seed: int, heights: list[float]
+) -> None:
+    slider = Slider(0.18, np.random.default_rng(seed))
+    now = 0.0
+    for height in heights:
+        arrival = slider.move(height, now)
+        assert arrival > now
+        for t in np.linspace(now, arrival, 20):
+            assert 0.0 <= slider.control(float(t)) <= 1.0
+        now = arrival
+        wanted = np.clip(height, 0.0, 0.18)
+        assert abs(slider.height(now) - wanted) < 0.18 * 0.2
+        if height <= 0.0:
+            assert slider.control(now) == 0.0, "at its lower end it rests"
+
+
+def seen(
+    xy: Sequence[float] | Array, edge: float = 0.05, height: float = 0.025, yaw: float = 0.0
+) -> SeenObject:
+    c, s = np.cos(yaw), np.sin(yaw)
+    shape = Box("box", (edge / 2,) * 3, 0.1, (*xy, height))
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return SeenObject(shape, np.array([*xy, height]), rotation)
+
+
+@pytest.mark.parametrize("direction", np.linspace(0.0, 2 * np.pi, 8, endpoint=False))
+def test_fingers_are_put_where_there_is_room(direction: float) -> None:
+    box = seen((0.0, 0.0))
+    beside = 0.068 * np.array([np.cos(direction), np.sin(direction)])
+    neighbour = seen(beside, yaw=direction)
+    grasp = roomiest_grasp(box, 0.0, HAND, Surroundings(TABLET, (neighbour,)))
+    places = grasp.places(np.zeros(2), grasp.opening(HAND), HAND)
+    points = np.column_stack([places, np.full(len(places), 0.028)])
+    room = neighbour.shape.clearance(points, neighbour.position, neighbour.rotation)
+    assert room.min() > 0.0
+
+
+@pytest.mark.parametrize("yaw", np.linspace(-0.7, 0.7, 5))
+def test_a_failed_grasp_is_not_tried_again_at_once(yaw: float) -> None:
+    box = seen((0.0, 0.0), yaw=yaw)
+    first = roomiest_grasp(box, 0.0, HAND, Surroundings(TABLET))
+    second = roomiest_grasp(box, 0.0, HAND, Surroundings(TABLET), first)
+    assert abs(np.sin(second.axis - first.axis)) > 0.9 or np.cos(second.axis - first.axis) < -0.9
+
+
+def test_a_grasp_is_chosen_that_fits_on_the_screen_at_the_goal_as_well() -> None:
+    width = TABLET.size[0]
+    goal = TABLET.to_world([width - 0.030, TABLET.size[1] / 2])[:2]
+    grasp = roomiest_grasp(seen((0.0, 0.0)), 0.0, HAND, Surroundings(TABLET, (), goal))
+    places = grasp.places(goal, -USER.squeeze, HAND)
+    xy = TABLET.to_surface(np.column_stack([places, np.zeros(len(places))]))
+    assert np.all(xy > 0.0) and np.all(xy < TABLET.size)

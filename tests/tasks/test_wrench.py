@@ -1,9 +1,10 @@
-"""Wrenches: every trial is in reach, the bolt is a bolt, and nothing counts that is not done."""
+"""Wrenches: trials are in reach, a bolt is a bolt, sizes fit, and a hand grasps and turns them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+from xml.etree.ElementTree import tostring
 
 import mujoco
 import numpy as np
@@ -13,13 +14,17 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from models.arithmetic import Array
-from models.hand import Hand
-from models.objects import HANDLE, JAW, THICKNESS, Wrench, bolt_place
+from models.objects import BOLT_LIFT, HANDLE, JAW, THICKNESS, Wrench, bolt_place
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
-from tasks.task import Measure
-from tasks.variation import Variation, vary
+from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
+from tasks.simulated_user.grasp import within_comfort
+from tasks.simulated_user.handling import WrenchHandling, handling_of
+from tasks.simulated_user.user_hand import Hand
+from tasks.task import Goal, Measure
+from tasks.user import SeenObject, UserConfiguration
+from tasks.variation import RANGES, Variation, vary
 from tasks.wrench import (
     BOLT_TURN,
     DISTANCE,
@@ -37,6 +42,10 @@ from tests.support.simulation import run
 from tests.support.task_scene import TaskScene
 
 seeds = st.integers(0, 2**63 - 1)
+yaws = st.floats(-np.pi, np.pi)
+turns = st.floats(-np.deg2rad(90), np.deg2rad(90))
+fingers = st.integers(2, 5)
+bolts = st.sampled_from([None, 0.05])
 tablets = st.sampled_from([Surface(*PRESETS[n]) for n in ("ipad2", "ipad-11", "ipad-13")])
 """A smaller one has no room for the way of a handle."""
 both = pytest.mark.parametrize("kind", [WrenchTurn, WrenchSlide])
@@ -125,20 +134,6 @@ def test_a_wrench_to_slide_is_within_its_ranges_and_on_the_surface(
             end = np.array(place) + along * np.array([np.cos(yaw), np.sin(yaw), 0.0])
             assert np.all(surface.to_surface(end) > 0.0)
             assert np.all(surface.to_surface(end) < surface.size)
-
-
-@both
-@settings(max_examples=40)
-@given(seed=seeds, x=st.floats(-1, 1), y=st.floats(-1, 1))
-def test_the_same_seed_is_the_same_trial_wherever_the_surface_is(
-    kind: type[WrenchTask], seed: int, x: float, y: float
-) -> None:
-    here, there = kind.draw(seed, Surface()), kind.draw(seed, Surface(origin=(x, y, 0.01)))
-    assert kind.draw(seed, Surface()) == here
-    assert there.objects[0].yaw == here.objects[0].yaw
-    shift = np.array([x, y, 0.0])
-    for a, b in ((here.objects[0], there.objects[0]), (here.goals[0], there.goals[0])):
-        np.testing.assert_allclose(np.add(a.position, shift), b.position, atol=1e-12)
 
 
 @both
@@ -251,7 +246,7 @@ def test_clearance_is_the_distance_to_the_nearest_solid_part_of_the_model(
     shares: Array, yaw: float, size: float
 ) -> None:
     wrench = Wrench("wrench", 0.1, (0.02, -0.03, 0.02), yaw, size=size)
-    scene = Scene(SceneSpec((Hand(),), (wrench,)))
+    scene = Scene(SceneSpec((), (wrench,)))
     data = mujoco.MjData(scene.model)
     mujoco.mj_forward(scene.model, data)
     position, rotation = scene.object_pose(data, "wrench")
@@ -275,3 +270,148 @@ def test_a_nut_turned_far_past_its_goal_is_spoiled(seed: int, past: float) -> No
     measure = trial.measure()
     assert measure.lost == (past > 15.0)
     assert measure.reached == (abs(past) <= 5.0)
+
+
+sizes = st.floats(*RANGES["size"])
+
+
+def seen(yaw: float, size: float = 1.0, bolt: float | None = None) -> SeenObject:
+    wrench = Wrench("wrench", 0.1, (0.01, -0.02, 0.012), yaw, bolt, size=size)
+    return SeenObject(wrench, np.array(wrench.position), exp([0.0, 0.0, yaw]))
+
+
+@given(yaw=yaws, bolt=bolts, x=st.floats(-0.1, 0.1), k=sizes)
+def test_scaling_by_1_changes_nothing_and_factors_multiply(
+    yaw: float, bolt: float, x: float, k: float
+) -> None:
+    wrench = Wrench("wrench", 0.1, (x, 0.03, 0.012), yaw, bolt)
+    assert wrench.scaled(1.0) == wrench
+    assert tostring(wrench.scaled(1.0).body()) == tostring(wrench.body())
+    there, back = wrench.scaled(k), wrench.scaled(k).scaled(1.0 / k)
+    assert there.size == pytest.approx(k) and back.size == pytest.approx(1.0)
+    np.testing.assert_allclose(back.position, wrench.position, atol=1e-12)
+
+
+@given(seed=seeds, k=st.floats(0.3, 3.0))
+@settings(max_examples=40)
+def test_a_larger_wrench_sits_on_the_same_bolt_and_weighs_and_rubs_the_same(
+    seed: int, k: float
+) -> None:
+    task = WrenchTurn.draw(seed, TABLET)
+    varied = vary(task, Variation(size=k), TABLET)
+    was: Any
+    now: Any
+    (was,), (now,) = task.objects, varied.objects
+    bolt = bolt_place(was.position[:2], was.yaw)
+    np.testing.assert_allclose(now.bolt_place(now.position[:2], now.yaw), bolt, atol=1e-12)
+    (goal,) = varied.goals
+    np.testing.assert_allclose(now.bolt_place(goal.position[:2], goal.yaw), bolt, atol=1e-12)
+    assert (now.mass, now.yaw, now.bolt) == (was.mass, was.yaw, was.bolt)
+    assert goal.yaw == task.goals[0].yaw
+    for middle in (now.position, goal.position):
+        assert middle[2] - now.thickness / 2 == pytest.approx(BOLT_LIFT)
+
+
+@both
+@pytest.mark.parametrize("size", [0.5, 0.7, 1.4, 2.0])
+def test_a_wrench_of_any_size_is_at_its_goal_where_its_goal_is_drawn(
+    kind: type[WrenchTask], size: float
+) -> None:
+    trial = Trial(kind, size=size)
+    trial.place(shift=(0.0, 0.0, -1e-5))
+    assert trial.measure().reached
+    now = trial.sensing.object("wrench").position
+    np.testing.assert_allclose(now, trial.goal.position, atol=2e-5)
+
+
+@given(yaw=yaws, turn=st.floats(-1.5, 1.5), n=st.integers(2, 5), bolt=bolts, k=st.floats(0.6, 2.5))
+def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(
+    yaw: float, turn: float, n: int, bolt: float, k: float
+) -> None:
+    c = UserConfiguration(fingers=n)
+    hand = Hand.draw(c, 0)
+    wrench = seen(yaw, k, bolt)
+    shape: Any = wrench.shape
+    grasp = handling_of(shape).grasp(wrench, turn, hand)
+    for gap in (grasp.opening(hand), -c.squeeze):
+        places = grasp.places(grasp.middle(wrench), gap, hand)
+        local = (places - wrench.position[:2]) @ wrench.rotation[:2, :2]
+        assert np.all((local[:, 0] > shape.handle[0]) & (local[:, 0] < shape.handle[1]))
+        assert np.all(np.sign(local[1:, 1]) == -np.sign(local[0, 1]))
+        outside = np.abs(local[:, 1]) - shape.handle_width / 2
+        assert np.all(outside > 0.0155 if gap > 0 else (outside > 0.0) & (outside < 0.0055))
+
+
+@given(yaw=yaws, k=sizes, bolt=bolts, turn=st.floats(-0.4, 0.4))
+def test_a_hand_in_the_air_closes_on_the_handle_that_is_there_and_turns_it_about_its_bolt(
+    yaw: float, k: float, bolt: float, turn: float
+) -> None:
+    wrench = seen(yaw, k, bolt)
+    hold = hold_of(wrench, np.zeros(2))
+    x, y, z = wrench.rotation.T @ (hold.position - wrench.position)
+    shape: Any = wrench.shape
+    assert shape.handle[0] < x < shape.handle[1]
+    assert y == pytest.approx(0.0, abs=1e-12) and z == pytest.approx(0.0)
+    assert hold.width == shape.handle_width
+    assert hold.top == pytest.approx(wrench.position[2] + shape.thickness / 2)
+    if bolt is None:
+        return
+    pivot = np.array(shape.bolt_place(wrench.position[:2], yaw))
+    middle = pivot - shape.jaw * np.array([np.cos(yaw + turn), np.sin(yaw + turn)])
+    goal = Goal("wrench", (middle[0], middle[1], 0.012), yaw + turn)
+    step, by = pinch_motion(wrench, goal, hold.position[:2])
+    assert by == pytest.approx(turn)
+    arms = [np.linalg.norm(p - pivot) for p in (hold.position[:2], hold.position[:2] + step)]
+    assert arms[0] == pytest.approx(arms[1])
+
+
+def wrench_handling(wrench: SeenObject) -> WrenchHandling:
+    assert isinstance(wrench.shape, Wrench)
+    return WrenchHandling(wrench.shape)
+
+
+@given(yaw=yaws, turn=turns, n=fingers, bolt=bolts)
+def test_every_turn_is_made_in_three_grasps_without_a_wrist_that_is_broken(
+    yaw: float, turn: float, n: int, bolt: float
+) -> None:
+    hand = Hand.draw(UserConfiguration(fingers=n), 0)
+    handling = wrench_handling(seen(0.0, bolt=bolt))
+    left = turn
+    for _ in range(3):
+        wrench = seen(yaw, bolt=bolt)
+        grasp = handling.grasp(wrench, left, hand)
+        made = handling.reach(wrench, grasp, left, hand)
+        assert abs(made) <= abs(left) + 1e-12
+        assert made * left >= 0.0
+        for angle in (yaw, yaw + made):
+            off = wrapped(grasp.axis_on(angle) - hand.natural_axis)
+            assert abs(off) < np.deg2rad(101), np.rad2deg(off)
+        yaw, left = yaw + made, left - made
+    assert abs(left) < 1e-9
+
+
+@given(axis=yaws, turn=turns)
+def test_a_wrist_turned_too_far_may_turn_back_but_no_further(axis: float, turn: float) -> None:
+    hand = Hand.draw(UserConfiguration(), 0)
+    now = wrapped(axis - hand.natural_axis)
+    after = now + within_comfort(axis, turn, hand)
+    assert abs(after) <= max(abs(now), np.deg2rad(95.0)) + 1e-9
+    if turn * now < 0 and abs(turn) < abs(now):
+        assert after == pytest.approx(now + turn)
+
+
+@given(yaw=yaws, turn=st.floats(0.1, 1.5), way=st.sampled_from([-1, 1]), bolt=bolts)
+def test_two_fingers_close_so_that_the_handle_begins_to_turn_the_right_way(
+    yaw: float, turn: float, way: int, bolt: float
+) -> None:
+    hand = Hand.draw(UserConfiguration(fingers=2), 0)
+    wrench = seen(yaw, bolt=bolt)
+    grasp = handling_of(wrench.shape).grasp(wrench, way * turn, hand)
+    middle = grasp.middle(wrench)
+    thumb, index = grasp.places(middle, 0.0, hand)
+    along = np.array([np.cos(grasp.axis), np.sin(grasp.axis)])
+    moment = sum(
+        float((p - middle)[0] * f[1] - (p - middle)[1] * f[0])
+        for p, f in ((thumb, along), (index, -along))
+    )
+    assert way * moment > 0.01

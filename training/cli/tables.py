@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from sandbox.cli.common.command_line import parse
-from sandbox.cli.evaluate.command import EvaluateOptions, measure
+from sandbox.cli.evaluate import EvaluateOptions, measure
 from training.judged import subject
 
 

@@ -221,15 +221,3 @@ def test_every_picture_is_drawn_twice_and_shows_something(
             pixels = np.asarray(picture.convert("L"))
         assert min(pixels.shape) > 300 and pixels.std() > 10
         assert (out / f"{name}.svg").read_text().rstrip().endswith("</svg>")
-
-
-@pytest.mark.full
-def test_a_simulated_day_is_evaluated_without_a_file(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "day.json"
-    argv = ["evaluate", "--encoders", "paper", "--days", "1", "--no-copas", "--json", str(path)]
-    assert main(argv) == 0
-    found = json.loads(path.read_text())
-    assert found["configuration"]["days"] == [found["tests"][0]["day"]]
-    assert found["simulated"] is True and "SIMULATED" in capsys.readouterr().out

@@ -138,34 +138,29 @@ def touches_of_spreads(path: Path, surface: Surface, tells: bool = True) -> Path
     return path
 
 
-def test_a_file_of_touches_that_knows_its_size_needs_no_other(tmp_path: Path) -> None:
-    out = tmp_path / "p.json"
-    touches = touches_of_spreads(tmp_path / "touches.jsonl", Surface())
-    assert main(["measure", "--device", str(touches), "--out", str(out)]) == 0
-    low, high = load_profile(out).interval
-    assert low < 1.12 < high
-
-
 @pytest.mark.parametrize(
     ("guessed", "tells", "size", "says"),
     [
+        (False, True, [], None),
+        (False, False, ["--surface", "ipad2"], None),
+        (False, False, [], "Measure"),
         (True, True, [], "Record again"),
         (True, True, ["--surface", "ipad2"], "Record again"),
-        (False, False, [], "Measure"),
-        (False, False, ["--surface", "ipad2"], None),
     ],
 )
-def test_a_file_of_touches_on_a_guessed_size_measures_no_hand(
+def test_a_file_of_touches_measures_a_hand_where_its_size_is_known_and_no_guess(
     guessed: bool, tells: bool, size: list[str], says: str | None, tmp_path: Path
 ) -> None:
-    surface = Surface(calibrated=not guessed)
+    surface, out = Surface(calibrated=not guessed), tmp_path / "p.json"
     touches = touches_of_spreads(tmp_path / "touches.jsonl", surface, tells)
-    arguments = ["--device", str(touches), "--out", str(tmp_path / "p.json"), *size]
+    words = ["measure", "--device", str(touches), "--out", str(out), *size]
     if says is None:
-        assert main(["measure", *arguments]) == 0
-        return
-    with pytest.raises(InputError, match=says):
-        main(["measure", *arguments])
+        assert main(words) == 0
+        low, high = load_profile(out).interval
+        assert low < 1.12 < high
+    else:
+        with pytest.raises(InputError, match=says):
+            main(words)
 
 
 @pytest.mark.parametrize(
@@ -194,30 +189,24 @@ def test_what_cannot_be_calibrated_is_one_clear_error(
 
 
 @given(
-    hand=st.sampled_from(HANDS),
-    size=st.floats(0.6, 1.6),
-    turn=st.sampled_from(TURNS),
-    low=st.floats(0.1, 1.0),
-    high=st.floats(1.0, 3.0),
+    person=st.builds(Person, st.sampled_from(HANDS), st.floats(0.6, 1.6), st.sampled_from(TURNS)),
+    interval=st.tuples(st.floats(0.1, 1.0), st.floats(1.0, 3.0)),
     device=st.text(max_size=20),
     simulated=st.booleans(),
     spreads=st.lists(st.floats(0.8, 1.2), max_size=3),
 )
 def test_a_profile_survives_its_file(
     tmp_path_factory: pytest.TempPathFactory,
-    hand: str,
-    size: float,
-    turn: int,
-    low: float,
-    high: float,
+    person: Person,
+    interval: tuple[float, float],
     device: str,
     simulated: bool,
     spreads: list[float],
 ) -> None:
     path = tmp_path_factory.mktemp("profile") / "p.json"
-    person = Person(hand, size, turn)
+    low, high = (person.hand_size * bound for bound in interval)
     layouts = tuple(tuple(map(tuple, (LAYOUT * s).tolist())) for s in spreads)
-    profile = Profile(person, (low * size, high * size), device, simulated, layouts)
+    profile = Profile(person, (low, high), device, simulated, layouts)
     save_profile(profile, path)
     assert load_profile(path) == profile
 

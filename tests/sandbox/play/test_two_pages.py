@@ -11,16 +11,14 @@ from rich.console import Console
 
 from models.surface import METRES_PER_INCH
 from sandbox.play.page_play import PagePlay
-from sandbox.play.pages import open_page, show_session, touched_pages
+from sandbox.play.pages import open_page, touched_pages
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
-from sandbox.server.screen import common, rectangle
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.sandbox.play.played_page import played
-from tests.sandbox.server.test_page_server import wait_for
 from tests.support.page_client import SCREEN, Page
 
 TASK, SEED = "carry-together", 3
@@ -103,42 +101,6 @@ def test_who_is_there_first_is_told_what_is_missing(
             width = round((980.0 - LIFT_STRIP_PX) / 132.0, 4)
             assert {s["surface"]["width_in"] for s in scenes} == {width}
             assert not any(s["surface"]["calibrated"] for s in scenes)
-
-
-@pytest.mark.slow
-def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
-    size = common([rectangle(PageScreen(**SCREEN))] * 2)
-    chosen = trial_settings(OPTIONS)
-    session = build(chosen.changed(**size), device_makers(chosen))
-    pages, touched = [], touched_pages(session)
-    assert [hand for hand, _ in touched] == [0, 1]
-    for server, (hand, device) in zip(servers, touched, strict=True):
-        show_session(server, session, "right", "", device, hand)
-        pages.append(Page(server.url))
-    simulated = trial_settings(TrialOptions(task=TASK, seed=SEED, device="simulated"))
-    users = [
-        maker(session.task, rig.reconstructor.surface)
-        for maker, rig in zip(device_makers(simulated), session.rigs, strict=True)
-    ]
-    for page in pages:
-        page.until("scene")
-    last: list[Any] = [None, None]
-    while not session.over:
-        snapshot = session.advance()
-        for server in servers:
-            server.publish(snapshot)
-        for k, (user, page, (_, device)) in enumerate(zip(users, pages, touched, strict=True)):
-            user.show(snapshot)
-            frame = user.poll(snapshot.time)[-1]
-            if (frame.contacts, frame.lift) == last[k]:
-                continue
-            last[k] = frame.contacts, frame.lift
-            places = [(c.id, c.x / METRES_PER_INCH, c.y / METRES_PER_INCH) for c in frame.contacts]
-            page.touch(*places, lift=frame.lift or 0.0)
-            assert wait_for(device.frame_ready.is_set)
-    for page in pages:
-        page.close()
-    assert session.scorer.score.success, session.scorer.score
 
 
 def test_time_begins_with_whichever_hand_touches_first() -> None:

@@ -27,7 +27,7 @@ from sandbox.regress.run_plan import RegressionPlan, TrialJob, options, parse_se
 from sandbox.trial.driver import play_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.processes import ROOT
-from tests.support.regress_tasks import Quick, Stopping, Worse
+from tests.support.regress_tasks import Quick, Worse
 
 
 def regress(*words: str | Path) -> int:
@@ -72,19 +72,6 @@ def test_what_cannot_be_run_at_all_ends_the_run(executor: Executor) -> None:
     jobs = RegressionPlan((Quick,), (1, 2), {"encoder": "no-such-encoder"}).jobs()
     with pytest.raises(InputError, match="no such encoder"):
         list(executor.run(jobs))
-
-
-def test_a_run_that_is_stopped_keeps_what_is_done_and_judges_nothing(
-    tmp_path: Path, quick: Path
-) -> None:
-    path, base = tmp_path / "out.json", tmp_path / "base.json"
-    with registered(Stopping):
-        words = ("--tasks", "stopping", "--seeds", "0:4", "--executor", "serial")
-        assert regress(*words, "--json", path, "--baseline", base, "--update-baseline") == 130
-    found = json.loads(path.read_text())
-    assert [t["seed"] for t in found["trials"]] == [0, 1]
-    assert found["complete"] is False and found["passed"] is None
-    assert not base.exists()
 
 
 def test_the_json_has_every_task_and_every_trial(

@@ -6,14 +6,13 @@ import errno
 import json
 import os
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from threading import Thread
-from typing import Any, ClassVar
-from unittest.mock import patch
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -25,6 +24,7 @@ from encoders.regression.model_registry import find_model
 from encoders.regression.training import save_model
 from models.errors import InputError
 from sandbox.cli.main import main
+from sandbox.cli.regress import main as regress
 from sandbox.regress.baseline import Baseline, load_baseline, update
 from sandbox.regress.execute import Serial
 from sandbox.regress.run_plan import RegressionPlan, registered
@@ -32,9 +32,6 @@ from sandbox.regress.run_report import Report, junit, make_report, markdown
 from sandbox.regression import Regression
 from sandbox.system.files import write_whole
 from sandbox.trial.result import ResultRecord, record_fields
-from tasks.registry import TASKS
-from tasks.sensing import Sensing
-from tasks.task import Measure
 from tests.support.regress_tasks import Dying, Newer, Quick, Worse
 
 PLAN = RegressionPlan((Quick,), tuple(range(10)))
@@ -321,42 +318,25 @@ def kept_seeds(path: Path) -> dict[str, list[int]]:
     return {name: list(task.trials) for name, task in load_baseline(path).tasks.items()}
 
 
-def other_run(path: Path, seeds: str) -> None:
-    """What another run does meanwhile: it brings the trials of another task into the baseline."""
-    Regression(path.parent, path.parent, update=True)(Dying, seeds, baseline=path.name)
-
-
-class Meanwhile(Quick):
-    """Another run ends while this one is played."""
-
-    where: ClassVar[Path]
-
-    def measure(self, sensing: Sensing) -> Measure:
-        if self.seed == 4 and not (self.where.parent / "done").exists():
-            (self.where.parent / "done").touch()
-            with patch.dict(TASKS):
-                TASKS.pop(self.name)
-                other_run(self.where, "3:6")
-        return super().measure(sensing)
-
-
-def test_two_runs_that_update_one_baseline_at_once_leave_the_new_trials_of_both(
-    tmp_path: Path,
+@pytest.mark.parametrize("by_command", [True, False])
+def test_a_run_that_ends_while_another_is_played_loses_no_trial_of_a_baseline_of_both(
+    by_command: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """By the command and by the fixture; one ends while the other is played."""
-    path = tmp_path / "base.json"
-    Meanwhile.where = path
-    for by_command in (True, False):
-        path.unlink(missing_ok=True)
-        (tmp_path / "done").unlink(missing_ok=True)
-        other_run(path, "3:5")
-        if by_command:
-            words = ["--seeds", "4:7", "--executor", "serial", "--baseline", str(path)]
-            with registered(Meanwhile):
-                assert main(["regress", "--tasks", "quick", *words, "--update-baseline"]) == 0
-        else:
-            Regression(tmp_path, tmp_path, update=True)(Meanwhile, "4:7", baseline="base.json")
-        assert kept_seeds(path) == {"dying": [3, 4, 5], "quick": [4, 5, 6]}
+    path, play = tmp_path / "base.json", Serial.run
+
+    def meanwhile(*run: Any) -> Iterator[dict[str, Any]]:
+        monkeypatch.setattr(Serial, "run", play)
+        Regression(tmp_path, tmp_path, update=True)(Dying, "3:6", baseline="base.json")
+        yield from play(*run)
+
+    monkeypatch.setattr(Serial, "run", meanwhile)
+    if by_command:
+        words = ["--seeds", "4:7", "--executor", "serial", "--baseline", str(path)]
+        with registered(Quick):
+            assert main(["regress", "--tasks", "quick", *words, "--update-baseline"]) == 0
+    else:
+        Regression(tmp_path, tmp_path, update=True)(Quick, "4:7", baseline="base.json")
+    assert kept_seeds(path) == {"dying": [3, 4, 5], "quick": [4, 5, 6]}
 
 
 def test_runs_that_end_at_once_wait_for_each_other_and_leave_nothing_beside(
@@ -431,27 +411,19 @@ def test_a_report_to_a_pipe_arrives_at_its_reader(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("option", ["--json", "--junit", "--baseline"])
-def test_a_folder_in_which_nothing_can_be_made_is_told_before_the_first_trial(
-    option: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+def test_a_folder_in_which_nothing_can_be_made_is_refused_before_the_first_trial(
+    option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "out"
     path.write_text(whole_baseline())
-    touch = Path.touch
 
     def refused(self: Path, *args: Any, **named: Any) -> None:
-        # Root may write into any folder, so that its mode alone shows nothing.
-        if self.parent == tmp_path and self != path:
-            raise PermissionError(errno.EACCES, "Permission denied")
-        touch(self, *args, **named)
+        raise PermissionError(errno.EACCES, "Permission denied")
 
+    # Root may write into any folder, so that its mode alone shows nothing.
     monkeypatch.setattr(Path, "touch", refused)
     monkeypatch.setattr(Serial, "run", lambda *args: pytest.fail("a trial was played"))
-    words = ["--seeds", "1:3", "--executor", "serial", option, str(path)]
+    words = ["--tasks", "quick", "--seeds", "1:3", option, str(path)]
     words += ["--update-baseline"] if option == "--baseline" else []
-    with registered(Quick):
-        assert main(["regress", "--tasks", "quick", *words]) == 2
-    (line,) = capsys.readouterr().err.strip().splitlines()
-    assert option in line and "Permission denied" in line
+    with registered(Quick), pytest.raises(InputError, match=rf"{option}.*Permission denied"):
+        regress(words)

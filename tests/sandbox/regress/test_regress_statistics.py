@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from itertools import product
-from math import comb
 
 import numpy as np
 import pytest
@@ -34,12 +32,9 @@ p_values = st.dictionaries(st.text(max_size=3), st.floats(0.0, 1.0), max_size=8)
 
 @given(lost=st.integers(0, 60), won=st.integers(0, 60))
 def test_mcnemar_is_the_sign_test_of_the_pairs_that_differ(lost: int, won: int) -> None:
-    """By scipy, and counted out: at least so many heads of fair coins."""
     pairs = lost + won
-    counted = Fraction(sum(comb(pairs, k) for k in range(lost, pairs + 1)), 2**pairs)
-    assert mcnemar(lost, won) == pytest.approx(float(counted), rel=1e-9)
-    if pairs:
-        assert mcnemar(lost, won) == binomtest(lost, pairs, alternative="greater").pvalue
+    theirs = binomtest(lost, pairs, alternative="greater").pvalue if pairs else 1.0
+    assert mcnemar(lost, won) == pytest.approx(theirs, rel=1e-9)
 
 
 @given(differences)
@@ -54,13 +49,6 @@ def test_the_signed_rank_test_counts_all_signs(values: list[float]) -> None:
     ]
     expected = np.mean([s >= observed - 1e-9 for s in sums])
     assert signed_rank(values) == pytest.approx(expected, abs=1e-12)
-
-
-@given(st.integers(0, 2**32))
-def test_the_signed_rank_test_is_that_of_scipy_without_ties(seed: int) -> None:
-    values = np.random.default_rng(seed).normal(0.2, 1.0, 30)
-    theirs = wilcoxon(values, alternative="greater", method="exact").pvalue
-    assert signed_rank(values) == pytest.approx(theirs, rel=1e-9)
 
 
 def test_many_pairs_follow_the_normal_distribution_closely() -> None:
@@ -116,33 +104,15 @@ def test_a_typical_change_is_the_shift_and_its_interval_has_it_nineteen_times_in
 
 
 @given(n=st.integers(1, 500), share=st.floats(0.0, 1.0))
-def test_the_wilson_interval_is_where_the_score_test_just_does_not_reject(
-    n: int, share: float
-) -> None:
-    """Its ends solve |k/n - p| = z sqrt(p (1 - p) / n), and scipy says the same."""
+def test_the_wilson_interval_is_that_of_scipy(n: int, share: float) -> None:
     k = round(share * n)
-    low, high = wilson(k, n)
-    assert 0.0 <= low <= k / n <= high <= 1.0
-    for end in (low, high):
-        if 1e-9 < end < 1 - 1e-9:
-            score = abs(k / n - end) / np.sqrt(end * (1 - end) / n)
-            assert score == pytest.approx(1.959964, abs=1e-4)
     theirs = binomtest(k, n).proportion_ci(method="wilson")
-    assert (low, high) == (theirs.low, theirs.high)
-
-
-@given(p_values)
-def test_holm_keeps_the_order_and_never_makes_a_value_smaller(values: dict[str, float]) -> None:
-    adjusted = holm(values)
-    assert list(adjusted) == list(values)
-    for a, value in values.items():
-        assert value <= adjusted[a] <= 1.0
-        for b, other in values.items():
-            assert value > other or adjusted[a] <= adjusted[b]
+    assert wilson(k, n) == (theirs.low, theirs.high)
 
 
 @given(p_values)
 def test_holm_rejects_what_stepping_down_rejects(values: dict[str, float]) -> None:
+    assert all(value <= holm(values)[name] <= 1.0 for name, value in values.items())
     rejected = set()
     for i, name in enumerate(sorted(values, key=values.__getitem__)):
         # Equality is left to rounding.

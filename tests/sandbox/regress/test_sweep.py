@@ -2,15 +2,13 @@
 
 import errno
 import json
-from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 from xml.etree import ElementTree
 
 import pytest
 
 from models.errors import InputError
-from models.objects import Wrench
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.cli.regress import main as regress_main
@@ -23,8 +21,7 @@ from sandbox.trial.trial_options import KINDS
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
 from tasks.stack import Stack
-from tasks.task import Measure, Task
-from tasks.wrench import WrenchSlide
+from tasks.task import Measure, Task, place_surface
 from tests.support.regress_tasks import NoPlace, Quick
 
 SEEDS = tuple(range(8))
@@ -38,38 +35,9 @@ class Heavy(BoxToGoal):
     hold_time: ClassVar[float] = 0.05
 
     def measure(self, sensing: Sensing) -> Measure:
-        drawn = BoxToGoal.draw(self.seed, sensing_surface()).objects[0].mass
+        drawn = BoxToGoal.draw(self.seed, place_surface(Surface(), BoxToGoal)).objects[0].mass
         light = self.objects[0].mass <= 3.0 * drawn
         return Measure(light, float(light), "" if light else "it is too heavy")
-
-
-class OneSize(Wrench):
-    """A thing that nobody has said how to scale."""
-
-    scaled = None
-
-
-class LateWrench(WrenchSlide):
-    """Over in a blink, with a wrench of one size."""
-
-    name: ClassVar[str] = "late-wrench"
-    time_limit: ClassVar[float] = 0.15
-    hold_time: ClassVar[float] = 0.05
-
-    @classmethod
-    def draw(cls, seed: int, surface: Surface) -> Self:
-        task = super().draw(seed, surface)
-        return replace(task, objects=(OneSize(**vars(task.objects[0])),))
-
-    def measure(self, sensing: Sensing) -> Measure:
-        return Measure(True, 1.0, "")
-
-
-def sensing_surface() -> Surface:
-    from models.surface import Surface
-    from tasks.task import place_surface
-
-    return place_surface(Surface(), BoxToGoal)
 
 
 def run(plan: RegressionPlan) -> list[dict[str, Any]]:
@@ -113,28 +81,11 @@ def test_values_that_are_asked_for_are_all_run_even_where_it_breaks() -> None:
     assert curve.breaks_above == 4.0
 
 
-def test_what_a_task_cannot_have_is_noted_and_the_rest_is_run() -> None:
-    size, mass = found_by(LateWrench, "size", "mass=2", seeds=(1, 2), runner=run).curves
-    assert [bool(p.refused) for p in size.points] == [True, False, True]
-    assert "one size only" in size.points[0].refused
-    assert size.breaks_below is None and not size.points[0].breaks
-    assert [p.result.n for p in mass.points] == [2, 2]
-
-
 @pytest.mark.parametrize(
     ("stops_in", "ended", "missing"),
     [
         (1, 0, ["heavy", "quick"]),
         (3, 5, ["heavy, mass=2 (5 of 8 trials)", "heavy, mass=8", "heavy, size", "quick"]),
-        (
-            6,
-            7,
-            [
-                "heavy, size=0.6 (7 of 8 trials)",
-                "heavy, size=0.5,0.4,0.3,1.2,1.4,1.6,1.8,2",
-                "quick",
-            ],
-        ),
         (99, 8, []),
     ],
 )
@@ -212,12 +163,6 @@ def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not() -> 
             kept.check(other, plan.versions())
         with pytest.raises(InputError, match="other settings"):
             Baseline(other, kept.tasks).check(plan.origin(), plan.versions())
-
-
-def test_two_variations_of_a_plan_hold_together() -> None:
-    plan = varied(RegressionPlan((Heavy,), SEEDS), KINDS["mass"], 2.0)
-    both = varied(plan, KINDS["latency"], 0.1 + 0.2).jobs()[0].settings.variation
-    assert (both.mass, both.latency) == (2.0, pytest.approx(3e-4))
 
 
 @pytest.mark.parametrize("word", ["weight", "mass=", "mass=a", "mass=2,,3", "mass=1000", "=2", ""])

@@ -17,8 +17,6 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from sandbox.session.collision_gating import (
     GHOST,
-    STUCK,
-    STUCK_TIME,
     CollisionGate,
     CollisionGatingRules,
 )
@@ -36,25 +34,6 @@ def grip(gap: float, contact: str = "hard", until: float = 99.0, **settings: Any
     empty.close()
     touch = pinch(at, lambda now: gap if now < until else BESIDE_IT)
     return scripted(touch, seed=1, contact=contact, **settings)
-
-
-def test_a_finger_that_stays_inside_a_thing_keeps_the_hand_a_ghost_and_the_person_is_told() -> None:
-    session = grip(INTO_THE_BOX)
-    run(session, STUCK_TIME / 2)
-    assert not session.snapshot().notice
-    run(session, STUCK_TIME + 0.5)
-    now = session.snapshot()
-    assert now.hands[0].phase == "down" and not now.hands[0].solid
-    assert now.notice == STUCK
-
-
-def test_who_opens_the_hand_has_a_solid_one_and_is_told_no_more() -> None:
-    session = grip(INTO_THE_BOX, until=2.5)
-    run(session, 2.4)
-    assert session.snapshot().notice == STUCK
-    run(session, 1.0)
-    assert session.snapshot().hands[0].solid
-    assert not session.snapshot().notice
 
 
 @pytest.mark.parametrize(("gap", "contact"), [(BESIDE_IT, "hard"), (INTO_THE_BOX, "none")])

@@ -11,8 +11,7 @@ from models.hand import SERVOS, Hand
 from models.scene import Scene, SceneSpec
 from sandbox.session.contact_forces import FingerLoads
 from sandbox.session.messages import FingerLoad, HandLoad
-from tests.sandbox.session.test_collision_gating import BESIDE_IT, grip
-from tests.support.scripted import box_xy, run, scripted
+from tests.support.scripted import box_xy, scripted
 from tests.support.simulation import pinched, put, random_pose
 
 
@@ -26,14 +25,6 @@ def test_fingers_press_what_they_hold_and_nothing_else(servo: str) -> None:
     # The box is at rest between them.
     assert thumb.pressing == pytest.approx(index.pressing, rel=0.2)
     assert all(f.force == f.pressing == f.sideways == 0.0 for f in others)
-
-
-def test_a_session_tells_the_loads_of_its_hands() -> None:
-    session = grip(BESIDE_IT)
-    run(session, 1.0)
-    (load,) = session.loads()
-    assert all(finger.force == 0.0 for finger in load.fingers)
-    assert not load.at_limit
 
 
 @pytest.mark.parametrize(("impulse", "full"), [(100.0, False), (0.0005, True)])

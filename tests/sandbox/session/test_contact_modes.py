@@ -168,11 +168,3 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path: Path) ->
     assert found.exact and found.complete
     assert TrialResult.of(session).state_hash == result.state_hash
     assert session.contact == "hard"
-
-
-def test_a_ghost_hand_keeps_clear_of_nothing() -> None:
-    poses = [
-        squeezing("none", solid=solid).reconstructions[0].q.tolist()
-        for solid in ("fingertips", "hand")
-    ]
-    assert poses[0] == poses[1]

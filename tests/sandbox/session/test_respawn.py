@@ -102,23 +102,6 @@ def test_before_an_upright_surface_a_box_that_sticks_out_over_a_side_comes_back(
         assert abs(place(session, "second")[0] - middle) < half - box.half_size[0]
 
 
-@pytest.mark.parametrize("seed", range(40, 46))
-def test_a_peg_comes_back_beside_its_socket_whose_ball_fills_the_surface(seed: int) -> None:
-    session = idle("insert", seed)
-    q, _ = joint(session, "peg")
-    session.data.qpos[q : q + 3] = (0.0, 0.53, 0.02)
-    run(session, AWAY + 0.1)
-    assert session.respawned == 1
-    there = place(session, "peg")
-    surface = session.rigs[0].reconstructor.surface
-    on = surface.to_surface(there[None])[0]
-    assert np.all(on > 0.0) and np.all(on < surface.size)
-    run(session, 1.0)
-    # It came to lie inside of nothing, which would have thrown it away.
-    assert session.respawned == 1
-    np.testing.assert_allclose(place(session, "peg"), there, atol=2e-3)
-
-
 def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken() -> None:
     where: dict[str, Any] = {}
     session = scripted(

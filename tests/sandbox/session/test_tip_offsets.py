@@ -85,13 +85,6 @@ def test_tips_return_to_their_touches_in_small_steps_once_the_grip_is_gone() -> 
     assert max(steps) <= RELEASED_FADING * CONTROL_PERIOD + 1e-9
 
 
-def test_fingers_that_close_are_followed_at_once() -> None:
-    grip = Grip()
-    for by in (0.0, -0.002, -0.004, -0.01):
-        _, tips = held(grip, opened(by))
-        np.testing.assert_array_equal(tips, opened(by))
-
-
 @given(
     turn=st.floats(-0.02, 0.02),
     right=st.floats(-0.005, 0.005),
@@ -116,13 +109,6 @@ def test_trembling_fingers_hold_on() -> None:
     for _ in range(round(60 / CONTROL_PERIOD)):
         off = keep * off + np.sqrt(1 - keep**2) * rng.normal(0.0, 0.00095, (3, 2))
         assert not held(grip, HAND + off)[0]
-
-
-def test_a_single_finger_holds_nothing() -> None:
-    grip = Grip()
-    for x in (0.0, 0.1, 0.2):
-        assert not grip.step({1: (x, 0.0)}, SOLID)
-        assert grip.offsets is None
 
 
 @pytest.mark.parametrize("lift", [True, False])
@@ -231,31 +217,6 @@ def test_it_is_so_for_every_hand_and_seat(hand: HandSettings, face: int) -> None
     assert clearances(session).min() > CLEARANCE
 
 
-def test_fingers_that_close_from_there_hold_and_turn_the_box() -> None:
-    start = 1.0
-    empty = pinched(0.0)
-    position, before = box_of(empty)
-    surface = empty.rigs[0].reconstructor.surface
-    half = half_width(empty)
-    empty.close()
-
-    def touch(now: float) -> list[Contact]:
-        closed = min(max(now - start, 0.0) / 0.3, 1.0)
-        angle = np.deg2rad(60.0) * min(max(now - start - 0.4, 0.0), 1.0)
-        c, s = np.cos(angle), np.sin(angle)
-        turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        far = turned @ ((half + 0.002 - 0.005 * closed) * before[:, 0])
-        xy = surface.to_surface(np.stack([position - far, position + far])).tolist()
-        return [Contact(i, x, y, label=i) for i, (x, y) in enumerate(xy)]
-
-    session = scripted(touch, seed=1, labels="device")
-    run(session, start + 1.8)
-    _, after = box_of(session)
-    turn = before.T @ after
-    assert np.rad2deg(np.arctan2(turn[1, 0], turn[0, 0])) == pytest.approx(60.0, abs=12.0)
-    assert session.solid(0) == {0, 1}
-
-
 def test_a_solid_finger_that_leaves_the_thing_comes_back_to_its_touch() -> None:
     def away(now: float) -> float:
         return -0.05 * min(max(now - 1.0, 0.0), 1.0)
@@ -312,15 +273,6 @@ def test_a_finger_is_not_led_towards_the_others_as_no_thing_is_between_them() ->
     np.testing.assert_allclose(box_of(session)[0], before, atol=1e-5)
 
 
-def test_a_hand_that_is_to_pass_through_things_is_not_led() -> None:
-    session = pinched(0.002, contact="none")
-    run(session, SETTLED)
-    hand = session.snapshot().hands[0]
-    touches = hand.places[:, :2]
-    assert not hand.solid and not hand.inside
-    assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
-
-
 CORNERS = [(0.028 * x, 0.030 * y, 0.025 * z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 POINTS = [*CORNERS, (-0.034, 0.0, 0.0), (0.034, 0.0, 0.0)]
 MESH = f"""<mujoco>
@@ -329,44 +281,30 @@ MESH = f"""<mujoco>
 </mujoco>"""
 
 
-MUG = """<mujoco><worldbody><body>
-  <geom type="cylinder" size=".034 .040"/>
-  <geom type="capsule" size=".005" fromto="0 -.032 .016 0 -.056 .016"/>
-  <geom type="capsule" size=".005" fromto="0 -.056 .016 0 -.056 -.022"/>
-</body></worldbody></mujoco>"""
 HALF_WIDTH = 0.034
-"""m, of the mug and of the block between its ridges, from the middle to where they are held."""
+"""m, from the middle of the block to its ridges, where it is held."""
 GRIP_AXIS = UserConfiguration().natural_axis
 """rad, direction from the thumb to the index finger."""
 
 
-class Mug(CustomTask):
-    """A mug, its handle beside the line from thumb to index finger; there is no goal."""
+class RidgedBlock(CustomTask):
+    """A mesh: a block with a ridge on either of its held faces; there is no goal."""
 
-    name = "mug"
-    mjcf = MUG
+    name = "ridged-block"
 
     @classmethod
     def place(
         cls, rng: np.random.Generator, surface: Surface
     ) -> tuple[list[MjcfObject], list[Goal]]:
         middle = surface.to_world(surface.size / 2)
-        return [MjcfObject.on_table("thing", cls.mjcf, 0.1, middle, GRIP_AXIS)], []
+        return [MjcfObject.on_table("thing", MESH, 0.1, middle, GRIP_AXIS)], []
 
     def measure(self, sensing: Sensing) -> Measure:
         return judge(0.0, (True, "never"))
 
 
-class RidgedBlock(Mug):
-    """A mesh: a block with a ridge on either of its held faces."""
-
-    name = "ridged-block"
-    mjcf = MESH
-
-
-@pytest.mark.parametrize("thing", [Mug, RidgedBlock])
-def test_fingers_are_led_out_of_things_of_any_shape(thing: type[CustomTask]) -> None:
-    place = f"{thing.__module__}:{thing.__name__}"
+def test_fingers_are_led_out_of_a_mesh() -> None:
+    place = f"{RidgedBlock.__module__}:{RidgedBlock.__name__}"
     away = (HALF_WIDTH + 0.003) * np.array([np.cos(GRIP_AXIS), np.sin(GRIP_AXIS), 0.0])
 
     def touch(now: float) -> list[Contact]:

@@ -5,13 +5,8 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import sys
-import time
 from functools import partial
 from pathlib import Path
-from threading import Thread
-from types import FrameType
-from typing import Any
 
 import pytest
 
@@ -96,62 +91,6 @@ def test_what_waits_is_written_though_later_events_found_no_place(
     os.close(reader)
     numbers = [json.loads(line)["number"] for line in found.splitlines()]
     assert numbers == list(range(len(numbers))) and 3000 <= len(numbers) < told
-
-
-def test_the_bound_on_waiting_events_holds_though_several_threads_write(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    rounds, writers, each = 3, 4, 30
-    monkeypatch.setattr(logs, "MOST_WAITING", writers * each)
-    path = tmp_path / "pipe"
-    os.mkfifo(path)
-    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
-    log, found = EventLog(path), b""
-
-    def write() -> None:
-        # Another thread may take over between any two operations of `tell`.
-        sys.settrace(each_operation_yields)
-        for _ in range(each):
-            log.write("warning", what="x")
-
-    for number in range(1, rounds + 1):
-        threads = [Thread(target=write) for _ in range(writers)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-        while found.count(b"\n") < number * writers * each:
-            found += next_line(reader)
-    # Each of these fills the pipe alone, so that all but the one that is being written wait.
-    for _ in range(2 * writers * each):
-        log.write("warning", what="x" * (1 << 17))
-    lost: list[InputError] = []
-    closing = Thread(target=close, args=(log, lost))
-    closing.start()
-    waited = 0
-    while closing.is_alive():
-        with contextlib.suppress(BlockingIOError):
-            waited += os.read(reader, 1 << 20).count(b"\n")
-    os.close(reader)
-    assert "waited for their reader" in str(lost[0])
-    assert waited <= writers * each + 1
-
-
-def close(log: EventLog, lost: list[InputError]) -> None:
-    """Closes a log, and notes what it says of lost events."""
-    try:
-        log.close()
-    except InputError as error:
-        lost.append(error)
-
-
-def each_operation_yields(frame: FrameType, event: str, argument: object) -> Any:
-    """A tracing function that lets another thread go on at every operation of `tell`."""
-    if frame.f_code is not EventLog.write.__code__:
-        return None
-    frame.f_trace_opcodes = True
-    time.sleep(0.0)
-    return each_operation_yields
 
 
 def test_a_reader_who_leaves_a_pipe_is_told_of_at_the_end(tmp_path: Path) -> None:

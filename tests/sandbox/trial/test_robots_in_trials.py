@@ -62,17 +62,6 @@ def four_fingers(tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(path)
 
 
-def test_a_hand_without_a_little_finger_brings_the_box_to_its_goal_and_replays(
-    four_fingers: str, tmp_path: Path
-) -> None:
-    file = tmp_path / "run.jsonl"
-    run = run_trial("box-to-goal", SEED, record=file, robot=four_fingers, fingers=3)
-    assert run.success and run.result["unreached"] < 0.05
-    again = replay_recording(file, trajectories=False)
-    assert again.verification is not None and again.verification.exact
-    assert again.state_hash == run.state_hash
-
-
 def test_a_finger_that_the_robot_lacks_is_never_solid_and_is_counted_as_unreached(
     four_fingers: str,
 ) -> None:

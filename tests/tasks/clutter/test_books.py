@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from models.arithmetic import Array
 from models.surface import PRESETS, Surface
-from sandbox import run_trial
 from tasks.box_to_goal import BORDER
 from tasks.clutter.books import BEHIND, BOOK, GAP, MOVED, POINTS, TO_THE_LEFT, WAY, Books
 from tasks.task import Measure
@@ -91,14 +90,3 @@ def test_room_is_the_gap_and_nothing_else(factor: float) -> None:
     assert np.allclose(before.mean(axis=0), after.mean(axis=0))
     assert np.linalg.norm(after[0] - after[1]) - BOOK[1] == pytest.approx(factor * GAP)
     assert varied.objects[0] == task.objects[0] and varied.goals == task.goals
-
-
-@pytest.mark.parametrize("hand", ["left", "right"])
-@pytest.mark.parametrize("solid", ["fingertips", "hand"])
-def test_the_simulated_user_reaches_in_with_either_hand(solid: str, hand: str) -> None:
-    assert run_trial("books", seed=7001, solid=solid, hand=hand, trajectories=False).success
-
-
-@pytest.mark.parametrize("user", ["idle", "random"])
-def test_who_does_nothing_or_touches_at_random_does_not_succeed(user: str) -> None:
-    assert not run_trial("books", seed=7001, user=user, trajectories=False).success

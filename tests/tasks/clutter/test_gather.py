@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.surface import PRESETS, Surface
-from sandbox import run_trial
 from tasks.clutter.gather import APART, BORDER, COUNT, EDGE, OUTSIDE, RADIUS, RING_BORDER, Gather
 from tasks.task import Measure
 from tasks.variation import Variation, vary
@@ -77,8 +76,3 @@ def test_room_is_the_radius_of_the_ring_and_nothing_else(factor: float) -> None:
     assert varied.ring.middle == task.ring.middle and varied.objects == task.objects
     off = [np.linalg.norm(np.subtract(g.position[:2], task.ring.middle)) for g in varied.goals]
     assert max(off) == pytest.approx(0.78 * factor * RADIUS)
-
-
-def test_the_simulated_user_brings_in_several_dice_at_a_time() -> None:
-    trial = run_trial("gather", seed=6000, solid="hand", trajectories=False)
-    assert trial.success

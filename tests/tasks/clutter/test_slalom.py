@@ -15,7 +15,6 @@ from models.objects import Cylinder
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
-from sandbox import run_trial
 from tasks.box_to_goal import BORDER, BoxToGoal
 from tasks.clutter.slalom import (
     FALLEN,
@@ -150,10 +149,3 @@ def test_a_task_that_leaves_no_room_says_so() -> None:
     box = draw_task(BoxToGoal, 1, TABLET)
     with pytest.raises(InputError, match="has no room that can be varied"):
         vary(box, Variation(room=1.1), TABLET)
-
-
-@pytest.mark.parametrize("solid", ["fingertips", "hand"])
-@pytest.mark.parametrize("fingers", [2, 5])
-def test_the_simulated_user_finds_the_way_between_the_pins(solid: str, fingers: int) -> None:
-    trial = run_trial("slalom", seed=6001, solid=solid, fingers=fingers, trajectories=False)
-    assert trial.success

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.surface import Surface
-from sandbox.trial.driver import open_trial, play_trial
-from sandbox.trial.result import TrialResult
+from sandbox.trial.driver import open_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.mechanisms.close_case import BORDER, CAP, CASE, GRIP, HELD, SEAM, TRAVEL, CloseCase
 from tasks.task import Measure
@@ -19,11 +18,6 @@ from tests.support.simulation import run
 from tests.support.task_scene import TaskScene
 
 BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, CloseCase.touch_height))
-
-
-def played(seed: int, **options: Any) -> TrialResult:
-    chosen = trial_settings(TrialOptions(task="close-case", seed=seed, **options))
-    return play_trial(chosen)
 
 
 @given(seed=st.integers(0, 2**63 - 1))
@@ -61,16 +55,6 @@ def test_a_push_at_one_half_alone_moves_the_case_and_does_not_close_it(push: flo
     moved = (before - trial.data.body(CASE).xpos) @ along
     assert moved > 0.01
     assert trial.data.joint(CAP).qpos[0] > 0.019
-
-
-@pytest.mark.parametrize("solid", ["fingertips", "hand"])
-def test_two_simulated_users_close_the_case(solid: str) -> None:
-    result = played(6400, solid=solid)
-    assert result.success and result.final
-
-
-def test_two_who_have_swapped_hands_close_it_too() -> None:
-    assert played(6401, hand="left", second_hand="right").success
 
 
 @pytest.mark.parametrize(

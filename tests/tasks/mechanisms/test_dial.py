@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import pi, radians
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -11,11 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.hand import Hand as SceneHand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from sandbox.trial.driver import play_trial
-from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.mechanisms.dial import (
     BORDER,
     KNOB,
@@ -28,33 +24,28 @@ from tasks.mechanisms.dial import (
     DialUser,
     KnobHandling,
 )
-from tasks.sensing import Sensing
 from tasks.simulated_user.grasp import wrapped
 from tasks.simulated_user.user_hand import Hand
-from tasks.task import place_surface
+from tasks.task import Measure, place_surface
 from tasks.user import SeenObject, Sight, UserConfiguration
 from tests.support.simulation import run
+from tests.support.task_scene import TaskScene
 
 SURFACE = place_surface(Surface(), Dial)
 seeds = st.integers(0, 2**63 - 1)
 
 
-class Trial:
+class Trial(TaskScene[Dial]):
     """A trial in its real scene, with a hand far above it."""
 
     def __init__(self, seed: int = 6_000) -> None:
-        self.task = Dial.draw(seed, SURFACE)
-        self.scene = Scene(SceneSpec((SceneHand(),), self.task.objects, 0.5))
-        self.data = mujoco.MjData(self.scene.model)
-        self.data.qpos[self.scene.qpos_slice(0)][2] = 0.4
-        self.sensing = Sensing(self.scene, self.data)
+        super().__init__(Dial.draw(seed, SURFACE))
         mujoco.mj_forward(self.scene.model, self.data)
 
-    def at(self, angle: float, speed: float = 0.0) -> Any:
+    def at(self, angle: float, speed: float = 0.0) -> Measure:
         """What the task says with the knob at an angle, rad, and a speed, rad/s."""
         self.data.joint(KNOB).qpos[:], self.data.joint(KNOB).qvel[:] = angle, speed
-        mujoco.mj_forward(self.scene.model, self.data)
-        return self.task.measure(self.sensing)
+        return self.measure()
 
 
 @settings(max_examples=30, deadline=None)
@@ -70,7 +61,6 @@ def test_the_mark_is_three_quarters_of_a_turn_away_and_within_the_end_stops(seed
     )
     xy = SURFACE.to_surface(np.array(knob.position))
     assert np.all(xy >= BORDER - 1e-9) and np.all(xy <= SURFACE.size - BORDER + 1e-9)
-    assert task == Dial.draw(seed, SURFACE)
 
 
 def test_it_counts_at_the_mark_and_at_rest_only() -> None:
@@ -140,10 +130,3 @@ def test_a_grasp_is_around_the_rim_and_its_wrist_stays_within_reach() -> None:
         made = handling.reach(knob, grasp, 2 * task.mark, hand)
         assert abs(off) <= WRIST + 1e-9 and abs(off + made) <= WRIST + 1e-9
         assert abs(made) == pytest.approx(2 * WRIST)
-
-
-@pytest.mark.parametrize("options", [{"solid": "fingertips"}, {"solid": "hand"}])
-def test_the_simulated_user_turns_the_dial_with_several_grasps(options: dict[str, Any]) -> None:
-    chosen = trial_settings(TrialOptions(task="dial", seed=6_000, **options))
-    done = play_trial(chosen)
-    assert done.success and done.final

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
-from sandbox import run_trial
 from tasks.mechanisms.insert import (
     BEFORE,
     BORDER,
@@ -130,13 +129,3 @@ def test_room_is_the_clearance_and_nothing_else(factor: float) -> None:
     ]
     assert rooms[1] - rooms[0] == pytest.approx((factor - 1.0) * CLEARANCE / 2)
     assert rooms[0] == pytest.approx((WIDTH + CLEARANCE) / 2)
-
-
-@pytest.mark.parametrize(("solid", "room"), [("fingertips", "room=1"), ("hand", "room=0.5")])
-def test_the_simulated_user_pushes_the_peg_in(solid: str, room: str) -> None:
-    trial = run_trial("insert", seed=6300, solid=solid, vary=room, trajectories=False)
-    assert trial.success
-
-
-def test_a_user_who_touches_at_random_does_not() -> None:
-    assert not run_trial("insert", seed=6300, user="random", trajectories=False).success

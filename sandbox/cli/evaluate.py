@@ -1,4 +1,7 @@
-"""`sandbox evaluate`: measures encoders as the paper does, as text, JSON and pictures."""
+"""`sandbox evaluate`: measures encoders as the paper of 2015 does, as text, JSON and pictures.
+
+With --paalm, it measures how well PAALM, the method of the paper of 2013, reconstructs hands.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,8 @@ if TYPE_CHECKING:
     from encoders.evaluation.subjects import Subject
 
 BUILTIN = "builtin"
+PAALM_SIMULATED = "simulated"
+PAALM_SCHEMA = 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,19 +90,40 @@ class EvaluateOptions:
     """Run the Copas test, which trains every encoder twenty more times."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class PaalmJudgeOptions:
+    """Measures PAALM (paper of 2013) for every recording: angles, finger labels, jitter and time.
+
+    simulated: a simulated Leap sees simulated hands, with and without drop-outs, and also as joints
+    (v3). The frozen configuration determines the people. FOLDER: recordings. Their ground truth is
+    either the bones that the device reports, if PIP and DIP are independent (in v2 they are equal
+    by construction), or the poses that `sandbox devices leap simulate` wrote beside the frames.
+    Recordings of the first software have no ground truth: poses that are impossible for a real hand
+    are counted, once with the whole recording known and once as for a live device. The method as
+    printed in the paper is measured only on the device of the paper.
+
+    Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
+    """
+
+    paalm: Annotated[str, Parameter(metavar="simulated|FOLDER")]
+    """Data: simulated hands, or a folder of recordings."""
+
+    json: Annotated[Path | None, Parameter(metavar="FILE")] = None
+    """File for all numbers as JSON; - is the terminal."""
+
+    takes: int = 8
+    """Number of simulated people, 30 seconds each."""
+
+
 def main(argv: list[str]) -> int:
     """Runs `sandbox evaluate ...`."""
     if any(a == "--paalm" or a.startswith("--paalm=") for a in argv):
         # The paper of 2013 has other inputs and other tables.
-        from sandbox.cli.evaluate.paalm_judge import main as judge_paalm
-
-        return judge_paalm(argv)
+        return judge_paalm(parse(PaalmJudgeOptions, "sandbox evaluate", argv))
     try:
         options = parse(EvaluateOptions, "sandbox evaluate", argv)
     except SystemExit:
         # `--help` shows the options of both forms of the command.
-        from sandbox.cli.evaluate.paalm_judge import PaalmJudgeOptions
-
         print("\nWith --paalm:\n", flush=True)
         parse(PaalmJudgeOptions, "sandbox evaluate", ["--help"])
         raise
@@ -183,6 +209,47 @@ def measure(options: EvaluateOptions, person: Subject) -> int:
             paths = draw_all(options.plots, document, results, tests)
         console.print(f"{len(paths)} pictures in {options.plots}")
     return 2 if failed else 0
+
+
+def judge_paalm(options: PaalmJudgeOptions) -> int:
+    """Measures PAALM, prints and writes the report.
+
+    Args:
+        options: Options of the command.
+
+    Returns:
+        Exit status.
+
+    Raises:
+        InputError: There are no people or recordings, or the report cannot be written.
+    """
+    if options.takes < 1:
+        raise InputError(
+            "too few simulated people", where="--takes", got=options.takes, expected="1 or more"
+        )
+    check_output(options.json)
+    if options.paalm != PAALM_SIMULATED:
+        refuse_replacing(options.json, {"--paalm": Path(options.paalm)}, "--json")
+    from sandbox.evaluation.paalm_evaluation import (
+        judge_folder,
+        judge_simulated,
+        show_judgements,
+    )
+
+    with _bars() as bar:
+        job = bar.add_task("judging", total=1.0)
+
+        def show_progress(share: float) -> None:
+            bar.update(job, completed=share)
+
+        if options.paalm == PAALM_SIMULATED:
+            judgements = judge_simulated(options.takes, show_progress)
+        else:
+            judgements = judge_folder(Path(options.paalm), show_progress)
+    judgements = {"schema": PAALM_SCHEMA, **judgements}
+    show_judgements(judgements)
+    write_json(options.json, judgements)
+    return 0
 
 
 def _check(options: EvaluateOptions) -> None:
