@@ -170,33 +170,31 @@ def chest(drawer: float, height: float, base: float = 0.0) -> Mechanism:
 
 
 @pytest.mark.parametrize(
-    ("places", "pressed"),
+    ("places", "pressed", "refused"),
     [
-        ((0.004, 0.0), False),
-        ((0.004, -0.0009), False),
-        ((0.004, -0.03), True),
+        ((0.004, 0.0), False, False),
+        ((0.004, -0.0009), False, False),
+        ((0.004, -0.03), True, False),
+        ((0.004, -0.03), False, True),
         # What the description itself has below its origin is on purpose.
-        ((-0.02, 0.0), False),
-        ((-0.02, 0.01), False),
+        ((-0.02, 0.0), False, False),
+        ((-0.02, 0.01), False, False),
+        ((-0.02, -0.01), False, True),
         # All of it is above its origin, which may be low.
-        ((0.054, -0.05, 0.05), False),
+        ((0.054, -0.05, 0.05), False, False),
     ],
 )
-def test_a_mechanism_may_reach_into_the_table_where_it_is_pressed_or_described_so(
-    places: tuple[float, ...], pressed: bool
+def test_a_mechanism_reaches_into_the_table_only_where_it_is_pressed_or_described_so(
+    places: tuple[float, ...], pressed: bool, refused: bool
 ) -> None:
     placed = chest(*places)
     task = broken(place=classmethod(lambda *_: (placed.parts, [])), pressed=pressed)
+    if refused:
+        with pytest.raises(InputError, match=r"30\.0 mm deep"):
+            draw_task(task, 0, SURFACE)
+        return
     check_task(task, [0])
     assert draw_task(task, 0, SURFACE).objects == placed.parts
-
-
-@pytest.mark.parametrize("places", [(0.004, -0.03), (-0.02, -0.01)])
-def test_a_mechanism_that_is_placed_into_the_table_is_refused(places: tuple[float, ...]) -> None:
-    placed = chest(*places)
-    task = broken(place=classmethod(lambda *_: (placed.parts, [])))
-    with pytest.raises(InputError, match=r"30\.0 mm deep"):
-        draw_task(task, 0, SURFACE)
 
 
 def test_objects_that_just_touch_do_not_overlap() -> None:

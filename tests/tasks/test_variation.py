@@ -21,7 +21,6 @@ from models.objects import Wrench
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from sandbox.cli.main import main
-from sandbox.devices.device import Device
 from sandbox.devices.wrappers.degraded import (
     FIRST_GHOST,
     GHOST_LENGTH,
@@ -42,31 +41,12 @@ from tasks.stack import Stack, StackThree
 from tasks.task import Task, place, place_surface
 from tasks.variation import RANGES, Variation, vary
 from tasks.wrench import WrenchSlide
+from tests.support.scripted import Played
 from tests.support.study_files import design
 
 FLAT = place_surface(Surface(), BoxToGoal)
 STEP = CONTROL_PERIOD
 seeds = st.integers(0, 10_000)
-
-
-class Scripted(Device):
-    """A device that gives the frame of every control period from a list, and then none."""
-
-    name = "scripted"
-
-    def __init__(self, frames: list[TouchFrame]) -> None:
-        self.frames, self.next = frames, 0
-
-    def poll(self, now: float) -> list[TouchFrame]:
-        self.next += 1
-        return [self.frames[self.next - 1]] if self.next <= len(self.frames) else []
-
-    @property
-    def finished(self) -> bool:
-        return self.next >= len(self.frames)
-
-    def close(self) -> None:
-        pass
 
 
 def frames_of(n: int, *contacts: Contact) -> list[TouchFrame]:
@@ -77,7 +57,7 @@ def played(
     variation: Variation, frames: list[TouchFrame], seed: int = 0, more: int = 0
 ) -> list[TouchFrame | None]:
     """Frames that come out at every control period; None where there is none."""
-    device = DegradedDevice(Scripted(frames), variation, FLAT, seed)
+    device = DegradedDevice(Played(frames), variation, FLAT, seed)
     out = []
     for i in range(len(frames) + more):
         polled = device.poll(i * STEP)
@@ -201,7 +181,9 @@ def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other() -> No
 def test_latency_gives_the_same_touches_so_many_steps_later(steps: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     frames = [
-        TouchFrame(0.0, tuple(Contact(j, *rng.uniform(0, 0.1, 2)) for j in range(i % 4)), i % 3 / 2)
+        TouchFrame(
+            i * STEP, tuple(Contact(j, *rng.uniform(0, 0.1, 2)) for j in range(i % 4)), i % 3 / 2
+        )
         for i in range(20)
     ]
     out = played(Variation(latency=steps * STEP), frames, more=steps)
@@ -237,20 +219,9 @@ def test_ghosts_share_no_id_and_real_touches_stay_as_they_are(
     assert len({i for i, _, _ in seen}) == len(seen)
 
 
-class Resting(Scripted):
-    """A device that is silent while nothing changes, as most of them are."""
-
-    finished = False
-
-    def poll(self, now: float) -> list[TouchFrame]:
-        due = [f for f in self.frames[self.next :] if f.time <= now]
-        self.next += len(due)
-        return due
-
-
 def test_ghosts_and_drop_outs_keep_their_time_while_the_device_is_silent() -> None:
     touching = [TouchFrame(5.0, (Contact(3, 0.05, 0.05),)), TouchFrame(20.0)]
-    device = DegradedDevice(Resting(touching), Variation(ghosts=4.0, dropped=1.0), FLAT, 0)
+    device = DegradedDevice(Played(touching), Variation(ghosts=4.0, dropped=1.0), FLAT, 0)
     out = [frame for i in range(int(25.0 / STEP)) for frame in device.poll(i * STEP)]
     stays: dict[int, list[float]] = {}
     for frame in out:

@@ -1,4 +1,4 @@
-"""What a command does and says with its exit status does not depend on who reads what it prints."""
+"""Results, reports and exit status do not depend on who reads the output or on the disk."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+
+from models.errors import InputError
+from sandbox.cli.common.json_out import check_output, refuse_same
+from sandbox.cli.main import main
 
 COMMAND = [sys.executable, "-m", "sandbox"]
 REGRESS = [*COMMAND, "regress", "--tasks", "box-to-goal", "--seeds", "0:1", "--json", "r.json"]
@@ -53,16 +57,6 @@ def test_help_on_a_full_disk_is_one_line(words: list[str]) -> None:
         done = run(*COMMAND, *words, stdout=full)
     assert done.returncode == 1
     assert done.stderr == "sandbox: standard output: No space left on device\n"
-
-
-@pytest.mark.parametrize("command", [["run", "ends.py"], ["regress", "--tasks", "ends.py"]])
-def test_a_task_that_ends_the_program_when_it_is_read_passes_no_gate(
-    tmp_path: Path, command: list[str]
-) -> None:
-    (tmp_path / "ends.py").write_text("import sys\nsys.exit()\n")
-    done = run(*COMMAND, *command, cwd=tmp_path)
-    assert done.returncode == 2
-    assert "this task cannot be loaded" in done.stderr and "SystemExit" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -114,3 +108,54 @@ def test_text_that_no_encoding_has_costs_no_report(encoding: str, tmp_path: Path
     trials = json.loads((tmp_path / "r.json").read_text())["trials"]
     assert [trial["reason"] for trial in trials] == ["half of a sign: \ud83d"] * 2
     assert ElementTree.parse(tmp_path / "j.xml").find(".//testcase") is not None
+
+
+def test_trying_a_file_leaves_files_and_links_as_they_were(tmp_path: Path) -> None:
+    new, old, link = tmp_path / "new.json", tmp_path / "old.json", tmp_path / "link.json"
+    old.write_text("kept")
+    link.symlink_to(tmp_path / "later.json")
+    for path in (new, old, link, Path("-"), None):
+        check_output(path)
+    assert not new.exists() and old.read_text() == "kept"
+    assert link.is_symlink() and not link.exists()
+    assert sorted(tmp_path.iterdir()) == [link, old]
+
+
+@pytest.mark.parametrize("name", ["none/out.json", "", "x" * 300])
+def test_what_cannot_be_written_is_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match="--json"):
+        check_output(tmp_path / name)
+
+
+def test_two_results_in_one_file_are_refused(tmp_path: Path) -> None:
+    one, link = tmp_path / "one.json", tmp_path / "link.json"
+    link.symlink_to(one)
+    refuse_same({"--json": one, "--record": None, "--film": Path("-"), "--events": Path("-")})
+    for other in (one, link, tmp_path / "x" / ".." / "one.json"):
+        with pytest.raises(InputError, match=r"--record .*two results would be in one file"):
+            refuse_same({"--json": one, "--record": other})
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run box-to-goal --record one.jsonl --json one.jsonl",
+        "run box-to-goal --film one.webp --motion one.webp",
+        "regress --tasks box-to-goal --baseline kept.json --json kept.json",
+        "evaluate --paalm . --json kept.json",
+        "devices leap simulate --capture kept.json --out kept.json",
+        "paalm calibrate kept.json --hands right --out kept.json",
+        "devices robot fit kept.json --tips a,b,c --out kept.json",
+    ],
+)
+def test_no_command_replaces_what_it_reads_or_another_of_its_results(
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("kept.json").write_text("{}")
+    assert main(command.split()) == 2
+    assert "in one file" in (said := capsys.readouterr().err) or "would replace" in said
+    assert Path("kept.json").read_text() == "{}" and not Path("one.jsonl").exists()

@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -14,12 +13,11 @@ from models.frames import Contact
 from models.kinematics import Kinematics
 from sandbox.recording.recording import load_recording
 from sandbox.session.collision_gating import STUCK
-from sandbox.session.session import STATE
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import Trial, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import Settings, recorded_settings
+from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.scripted import Script
 
@@ -59,30 +57,6 @@ def test_a_recording_replays_to_the_same_hash_at_every_input(
     assert found.exact and found.complete and found.same_machine
     assert session.state_hash == result.state_hash
     assert found.compared > 100
-
-
-def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(
-    recorded: tuple[TrialResult, Path],
-) -> None:
-    _, path = recorded
-    recording = load_recording(path)
-    session = build(recorded_settings(recording.header), (lambda t, s: Script(lambda now: []),))
-    model, data = session.scene.model, session.data
-    for step, state in recording.keyframes.items():
-        mujoco.mj_setState(model, data, state, STATE)
-        assert data.time == pytest.approx(step * 0.002)
-        ends = []
-        for _ in range(2):
-            mujoco.mj_setState(model, data, state, STATE)
-            again = np.empty_like(state)
-            mujoco.mj_getState(model, data, again, STATE)
-            assert again.tobytes() == state.tobytes()
-            mujoco.mj_step(model, data, 50)
-            ends.append(data.qpos.tobytes())
-            # Whatever was simulated in between must leave no trace.
-            data.qvel[:] = 1.0
-            mujoco.mj_step(model, data, 3)
-        assert ends[0] == ends[1]
 
 
 def test_a_device_that_fails_to_close_keeps_no_other_one_open() -> None:

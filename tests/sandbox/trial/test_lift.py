@@ -17,7 +17,6 @@ from encoders.reconstruction.reconstructor import Reconstruction
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
-from sandbox.devices.device import Device
 from sandbox.devices.wrappers.playing import SPEED, LiftKeys
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build, with_lift
@@ -27,6 +26,7 @@ from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.stack import Stack
+from tests.support.scripted import Played, Script
 
 PERIOD = 0.016
 
@@ -46,7 +46,7 @@ def poses(
 ) -> list[Reconstruction]:
     """What is reconstructed with a lift control that is time -> its position."""
     options = Settings(task=task, seed=1, **settings)
-    made = build(options, (lambda task, surface: Still(),))
+    made = build(options, (lambda task, surface: Script(),))
     reconstructor: Any = made.rigs[0].reconstructor
     times = np.arange(round(seconds / PERIOD)) * PERIOD
     return [reconstructor.step(TouchFrame(t, touches(t), control(t))) for t in times]
@@ -129,33 +129,9 @@ def test_no_lift_control_moves_the_hand_faster_than_it_may_or_out_of_its_range(
     assert lift.height == 0.0
 
 
-@pytest.mark.parametrize("lift", ["1.5", "-0.1", '"high"', "[]", "true0"])
-def test_a_recording_with_an_impossible_lift_is_read_up_to_it(tmp_path: Path, lift: str) -> None:
-    path = tmp_path / "bad.jsonl"
-    line = '{"kind":"input","step":0,"hand":0,"time":0.0,"contacts":[],"hash":""'
-    head = '{"kind":"header","schema":2,"settings":{}}'
-    path.write_text(f'{head}\n{line}}}\n{line},"lift":{lift}}}\n')
-    recording = load_recording(path)
-    assert len(recording.inputs[0]) == 1
-    assert "line 3 is damaged" in recording.damage
-
-
-class Still(Device):
-    """A device that says one thing once."""
-
-    name = "still"
-    finished = False
-
-    def __init__(self) -> None:
-        self.frames = [TouchFrame(0.0, (Contact(4, 0.01, 0.02),))]
-        self.closed = False
-
-    def poll(self, now: float) -> list[TouchFrame]:
-        frames, self.frames = self.frames, []
-        return frames
-
-    def close(self) -> None:
-        self.closed = True
+def still() -> Played:
+    """A device with one frame."""
+    return Played([TouchFrame(0.0, (Contact(4, 0.01, 0.02),))])
 
 
 def polled(keys: LiftKeys, begin: float, seconds: float) -> list[TouchFrame]:
@@ -164,7 +140,7 @@ def polled(keys: LiftKeys, begin: float, seconds: float) -> list[TouchFrame]:
 
 
 def test_a_key_that_is_held_lifts_and_a_key_let_go_holds_still() -> None:
-    keys = LiftKeys(Still())
+    keys = LiftKeys(still())
     (first,) = keys.poll(0.0)
     assert first.lift == 0.0
     keys.hold(1.0)
@@ -181,7 +157,7 @@ def test_a_key_that_is_held_lifts_and_a_key_let_go_holds_still() -> None:
 
 
 def test_a_key_tapped_between_two_polls_does_something() -> None:
-    keys = LiftKeys(Still())
+    keys = LiftKeys(still())
     keys.poll(0.0)
     keys.hold(1.0)
     keys.hold(0.0)
@@ -191,7 +167,7 @@ def test_a_key_tapped_between_two_polls_does_something() -> None:
 
 @pytest.mark.parametrize("keys", [True, False])
 def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys: bool) -> None:
-    device = Still()
+    device = still()
     (make,) = with_lift((lambda task, surface: device,), keys)
     surface = Settings().surface.rectangle
     assert make(BoxToGoal.draw(1, surface), surface) is device
@@ -203,7 +179,7 @@ def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys: bool) -> Non
     with pytest.raises(InputError, match="needs a lift control") as error:
         make(task, surface)
     assert "sandbox play stack" in str(error.value)
-    assert device.closed
+    assert device.finished, "it is closed"
 
 
 def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path) -> None:

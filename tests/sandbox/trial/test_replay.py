@@ -34,12 +34,14 @@ from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.score import Score, Status
 
+Recorded = tuple[dict[int, Snapshot], TrialResult, Path]
+"""A trial's snapshots by step, its result and its recording."""
+
 
 @pytest.fixture(scope="module")
 def recorded(
     tmp_path_factory: pytest.TempPathFactory,
-) -> tuple[dict[int, Snapshot], TrialResult, Path]:
-    """A trial's snapshots by step, its result and its recording."""
+) -> Recorded:
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
     chosen = trial_settings(TrialOptions(seed=11, fingers=3))
     seen: dict[int, Snapshot] = {}
@@ -72,9 +74,7 @@ def shown(path: Path) -> tuple[dict[int, Snapshot], Verification]:
     return seen, found
 
 
-def test_a_replay_runs_undisturbed_and_ends_with_its_devices_closed(
-    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
-) -> None:
+def test_a_replay_runs_undisturbed_and_ends_with_its_devices_closed(recorded: Recorded) -> None:
     disturbed: list[str] = []
 
     def watch(snapshot: Snapshot) -> None:
@@ -93,9 +93,7 @@ def is_closed(device: AnyDevice) -> bool:
     return device.finished and not device.poll(0.0)
 
 
-def test_a_replay_whose_view_fails_closes_its_devices(
-    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
-) -> None:
+def test_a_replay_whose_view_fails_closes_its_devices(recorded: Recorded) -> None:
     sessions: list[Session] = []
 
     def fails(snapshot: Snapshot) -> None:
@@ -116,7 +114,7 @@ def test_a_replay_whose_view_fails_closes_its_devices(
 
 
 def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(
-    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
+    recorded: Recorded,
 ) -> None:
     seen, result, path = recorded
     # A weak hand: this machine computes another trial from the same touches.
@@ -139,7 +137,7 @@ def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(
 
 
 def test_elsewhere_the_command_says_so_and_does_not_fail(
-    recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
+    recorded: Recorded, capsys: pytest.CaptureFixture[str]
 ) -> None:
     _, result, path = recorded
     assert replay_command.main([str(forged(path, "other.jsonl", impulse=0.02))]) == 0
@@ -172,7 +170,7 @@ def test_a_trial_that_was_ended_from_outside_has_the_same_outcome_where_its_inpu
 
 
 def test_a_trial_that_was_left_is_called_broken_off_by_its_replay(
-    recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
+    recorded: Recorded, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = recorded[2].with_name("left.jsonl")
     chosen = trial_settings(TrialOptions(seed=11, fingers=3))
@@ -190,9 +188,7 @@ def test_a_trial_that_was_left_is_called_broken_off_by_its_replay(
     assert "the same outcome" in capsys.readouterr().out
 
 
-def test_on_the_same_machine_a_difference_still_fails(
-    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
-) -> None:
+def test_on_the_same_machine_a_difference_still_fails(recorded: Recorded) -> None:
     _, _, path = recorded
     lines = path.read_text().splitlines()
     header = json.loads(lines[0])
@@ -202,9 +198,7 @@ def test_on_the_same_machine_a_difference_still_fails(
     assert replay_command.main([str(other)]) == 1
 
 
-def test_poses_of_another_scene_are_refused_in_one_line(
-    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
-) -> None:
+def test_poses_of_another_scene_are_refused_in_one_line(recorded: Recorded) -> None:
     _, _, path = recorded
     lines = forged(path, "scene.jsonl").read_text().splitlines()
     lines = [t for t in lines if '"kind":"track"' not in t]
