@@ -74,7 +74,7 @@ def test_places_are_scaled_and_fingers_are_not() -> None:
 
 
 def test_a_study_refuses_a_scaled_table() -> None:
-    page = cast(StudyPage, SimpleNamespace(server=SimpleNamespace(screen=SMALL)))
+    page = cast(StudyPage, SimpleNamespace(server=SimpleNamespace(screen=PHONE)))
     with pytest.raises(StudyError, match="a study cannot use a scaled table"):
         settings_for_screen(page, Settings(), designed=False)
 
