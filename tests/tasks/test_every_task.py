@@ -10,12 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.errors import SurfaceTooSmallError
-from models.surface import Surface
+from models.surface import PRESETS, Surface
 from sandbox.cli.common.command_line import parse
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
+from tasks.guarded import build_scene, check_apart
 from tasks.registry import TASKS, find_task, hands_of
 from tasks.task import place_surface
 from tasks.task_checks import check_task
@@ -73,6 +74,24 @@ def test_a_trial_follows_from_its_seed_and_moves_with_its_surface(
         # A goal on an object is relative to that object.
         np.testing.assert_allclose(i.position, g.position + (not g.on) * shift, atol=1e-12)
         assert i.yaw == g.yaw
+
+
+@every
+@settings(max_examples=10)
+@given(
+    seed=st.integers(0, 2**63 - 1),
+    size=st.sampled_from([size for size in PRESETS.values() if min(size) > 5.5]),
+)
+def test_on_every_tablet_objects_are_apart_and_they_and_their_goals_are_on_the_surface(
+    name: str, seed: int, size: tuple[float, float]
+) -> None:
+    kind = find_task(name)
+    surface = place_surface(Surface(size[0] * hands_of(kind), size[1]), kind)
+    task = kind.draw(seed, surface)
+    check_apart(build_scene(task), name, "")
+    on = surface.to_surface(np.array([each.position for each in (*task.objects, *task.goals)]))
+    free = [not getattr(each, "on", None) for each in (*task.objects, *task.goals)]
+    assert np.all(on[free] >= 0.0) and np.all(on[free] <= surface.size)
 
 
 @every

@@ -15,17 +15,13 @@ from models.surface import Surface
 from tasks.mechanisms.dial import (
     BORDER,
     KNOB,
-    RADIUS,
     SWEEP,
     TORQUE,
     TURN,
-    WRIST,
     Dial,
     DialUser,
-    KnobHandling,
 )
 from tasks.simulated_user.grasp import wrapped
-from tasks.simulated_user.user_hand import Hand
 from tasks.task import Measure, place_surface
 from tasks.user import SeenObject, Sight, UserConfiguration
 from tests.support.simulation import run
@@ -112,21 +108,3 @@ def test_the_user_sees_how_far_the_knob_has_to_turn_and_never_across_the_gap(
     user = DialUser(UserConfiguration(), SURFACE, 1)
     _, turn = user._missing(sight, sight.objects[KNOB])
     assert turn == pytest.approx(task.mark - angle, abs=1e-6)
-
-
-def test_a_grasp_is_around_the_rim_and_its_wrist_stays_within_reach() -> None:
-    task = Dial.draw(3, SURFACE)
-    sight = sight_of(task, -task.mark)
-    knob = sight.objects[KNOB]
-    handling = KnobHandling(knob.shape)  # type: ignore[arg-type]
-    for fingers in (2, 3, 5):
-        hand = Hand.draw(UserConfiguration(fingers=fingers), 3)
-        grasp = handling.grasp(knob, 2 * task.mark, hand)
-        places = grasp.places(np.zeros(2), 0.0, hand)
-        far = np.linalg.norm(places, axis=1)
-        assert far == pytest.approx(np.full(len(places), RADIUS + 0.007))
-        assert places[0] @ places[1:].mean(axis=0) < 0.0
-        off = wrapped(grasp.axis - hand.natural_axis)
-        made = handling.reach(knob, grasp, 2 * task.mark, hand)
-        assert abs(off) <= WRIST + 1e-9 and abs(off + made) <= WRIST + 1e-9
-        assert abs(made) == pytest.approx(2 * WRIST)
