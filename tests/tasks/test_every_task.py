@@ -128,6 +128,8 @@ def test_nothing_is_done_at_the_start_nor_without_a_touch(name: str, seed: int) 
         "stack --seed 0 --turn 180",
         "stack --seed 0 --hand-size 0.9",
         "stack-three --seed 0",
+        "stack-vertical --seed 0",
+        "stack-vertical --seed 3 --hand left --fingers 2",
         "wrench-turn --seed 3 --fingers 2",
         "wrench-turn --seed 3 --fingers 3",
         "wrench-turn --seed 3 --fingers 5",

@@ -26,7 +26,6 @@ from tasks.user import SeenObject, UserConfiguration
 from tests.support.simulation import run
 from tests.support.task_scene import TaskScene
 
-seeds = st.integers(0, 2**63 - 1)
 TABLET = Surface().centred_at((0.0, 0.0, Stack.touch_height))
 AWAY = np.concatenate([[0.0, 0.0, 0.40], np.zeros(45)])
 """(48,) pose of a hand above three boxes."""

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
 
 from models.rotations import exp, matrix_to_quaternion
 from models.surface import Surface
-from sandbox.recording.recording import load_recording
 from sandbox.session.respawn import AWAY
-from sandbox.trial.driver import play_trial
-from sandbox.trial.replay import replay
-from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.stack import StackVertical
 from tasks.task import Measure, place_surface
 from tests.support.scripted import run as proceed
@@ -104,17 +99,3 @@ def test_a_box_that_fingers_still_meet_is_left_at_its_depth(deeper: float) -> No
     proceed(session, 1.0)
     assert session.respawned == 0
     assert np.isclose(session.data.qpos[start + 1], deeper, atol=1e-3)
-
-
-@pytest.mark.parametrize(("seed", "hand", "fingers"), [(0, "right", 3), (3, "left", 2)])
-def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
-    tmp_path: Path, seed: int, hand: Literal["right", "left"], fingers: int
-) -> None:
-    options = TrialOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
-    planned = trial_settings(options)
-    file = tmp_path / "trial.jsonl"
-    result = play_trial(planned, record=file)
-    assert result.success, result.reason
-    session, verification = replay(load_recording(file))
-    assert verification.exact and verification.complete
-    assert session.state_hash == result.state_hash

@@ -27,13 +27,11 @@ from sandbox.devices.wrappers.degraded import (
     LENGTH,
     DegradedDevice,
 )
-from sandbox.recording.recording import load_recording
 from sandbox.study.design.reading import DesignError
 from sandbox.study.run.players import RunningAttempt, TrialRequest
 from sandbox.trial.assembly import build, device_makers, drawn
-from sandbox.trial.driver import open_trial, play_trial
-from sandbox.trial.replay import replay
-from sandbox.trial.settings import encoded, recorded_settings
+from sandbox.trial.driver import open_trial
+from sandbox.trial.settings import encoded
 from sandbox.trial.trial_options import TrialOptions, parse_variation, trial_settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.mechanisms.close_case import HEIGHT
@@ -261,24 +259,6 @@ def test_degraded_touches_follow_from_the_seed() -> None:
     frames = frames_of(300, Contact(1, 0.05, 0.05), Contact(2, 0.08, 0.05))
     assert played(bad, frames, 4) == played(bad, frames, 4) != played(bad, frames, 5)
     assert played(Variation(), frames) == [replace(f, time=f.time) for f in frames]
-
-
-def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(
-    tmp_path: Path,
-) -> None:
-    text = "size=0.9,mass=2,friction=0.8,start=10,noise=0.5,dropped=1,ghosts=1,latency=30"
-    chosen = trial_settings(TrialOptions(seed=6, vary=text + ",hand-size=1.05"))
-    path = tmp_path / "varied.jsonl"
-    result = play_trial(chosen, record=path)
-    recording = load_recording(path)
-    session, found = replay(recording)
-    assert found.exact and found.complete and session.state_hash == result.state_hash
-    box: Any = session.task.objects[0]
-    assert box.half_size[0] == pytest.approx(0.9 * 0.025)
-    again = recorded_settings(recording.header)
-    assert again == chosen and again.hands[0].size == 1.05
-    assert result.settings is not None
-    assert again.variation.as_json() == result.settings["variation"]
 
 
 @given(st.text(max_size=30))

@@ -1,19 +1,14 @@
-"""A palm beside a grip pushes nothing, and its trial replays to the bit."""
+"""A palm beside a grip pushes nothing."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from models.frames import Contact, TouchFrame
-from sandbox.recording.recording import load_recording
+from models.frames import Contact
 from sandbox.session.session import Session
-from sandbox.trial.driver import play_trial
-from sandbox.trial.replay import replay
-from sandbox.trial.settings import Settings
-from tests.support.scripted import Script, scripted
+from tests.support.scripted import scripted
 
 GRIP = ((0.060, 0.090), (0.090, 0.055), (0.110, 0.055))
 PALM = (0.12, 0.135)
@@ -46,27 +41,3 @@ def test_a_palm_changes_nothing_of_what_its_hand_does() -> None:
     assert states == {0: "active", 1: "active", 2: "active", 9: "palm"}
     unsized = scripted(lambda t: touched(t, sized=False), seed=3)
     assert played(unsized) != with_palm.state_hash, "without sizes it is a finger"
-
-
-class Ending(Script):
-    """The touches above, for two seconds."""
-
-    finished = False
-
-    def poll(self, now: float) -> list[TouchFrame]:
-        self.finished = now > 2.0
-        return super().poll(now)
-
-
-def test_a_trial_with_a_palm_replays_to_the_bit(tmp_path: Path) -> None:
-    path = tmp_path / "palm.jsonl"
-    result = play_trial(Settings(seed=3), (lambda task, surface: Ending(touched),), record=path)
-    recording = load_recording(path)
-    last = recording.inputs[0][-1].frame
-    assert isinstance(last, TouchFrame)
-    assert all(c.extent is not None for c in last.contacts)
-    session, found = replay(recording)
-    assert found.exact
-    assert found.complete
-    assert session.state_hash == result.state_hash
-    assert {c.state for c in session.snapshot().hands[0].contacts} == {"active", "palm"}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,17 +16,14 @@ from models.mjcf_object import MjcfObject
 from models.objects import Box
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
-from sandbox.recording.recording import load_recording
 from sandbox.session.collision_gating import CLEARANCE, STUCK
 from sandbox.session.messages import MOVE_APART
 from sandbox.session.session import Session
 from sandbox.session.tip_offsets import OPENED, REACH, RELEASED_FADING, Grip
-from sandbox.trial.driver import play_trial
-from sandbox.trial.replay import replay
-from sandbox.trial.settings import HandSettings, Settings
+from sandbox.trial.settings import HandSettings
 from tasks import CustomTask, Goal, Measure, Sensing, judge
 from tasks.user import UserConfiguration
-from tests.support.scripted import Played, box_xy, pinch, run, scripted
+from tests.support.scripted import box_xy, pinch, run, scripted
 
 HAND = np.array([[-0.03, 0.01], [0.03, -0.01], [0.025, 0.012]])
 """m, touches of thumb, index and middle finger."""
@@ -318,16 +314,3 @@ def test_fingers_are_led_out_of_a_mesh() -> None:
     after, _ = session.scene.object_pose(session.data, "thing")
     assert session.solid(0) == {0, 1}
     assert np.linalg.norm(after - before) < 0.0005
-
-
-def test_fingers_that_are_led_replay_to_the_bit(tmp_path: Path) -> None:
-    session = pinched(0.004, lambda now: 0.006 * min(max(now - 0.8, 0.0), 1.0))
-    times = np.arange(0.0, 1.6, CONTROL_PERIOD)
-    frames = [frame for now in times for frame in session.rigs[0].device.poll(float(now))]
-    session.close()
-    path = tmp_path / "recorded.jsonl"
-    settings = Settings().changed(seed=1, labels="device")
-    play_trial(settings, (lambda task, surface: Played(frames),), record=path)
-    session, verification = replay(load_recording(path))
-    assert verification.exact and verification.complete
-    assert session.solid(0)

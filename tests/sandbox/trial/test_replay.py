@@ -17,6 +17,7 @@ from threadpoolctl import threadpool_info
 from models.arithmetic import Array
 from models.errors import RecordingError
 from sandbox.cli import replay as replay_command
+from sandbox.cli.common.command_line import parse
 from sandbox.devices.device import AnyDevice
 from sandbox.recording.recording import (
     GRAIN,
@@ -31,6 +32,7 @@ from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import View, open_trial, play_trial
 from sandbox.trial.replay import Verification, is_same_outcome, replay
 from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import recorded_settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.score import Score, Status
 
@@ -72,6 +74,31 @@ def shown(path: Path) -> tuple[dict[int, Snapshot], Verification]:
         load_recording(path), lambda s: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)]
     )
     return seen, found
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "box-to-goal --device leap-simulated --seed 4",
+        "box-to-goal --seed 5 --hand left --turn 90 --drop-outs 1",
+        "stack --seed 3",
+        "stack-vertical --seed 3 --hand left --fingers 2",
+        "slalom --seed 6001 --solid hand",
+        "carry-together --seed 3",
+        "box-to-goal --seed 6 --vary size=0.9,mass=2,friction=0.8,start=10,hand-size=1.05",
+        "box-to-goal --seed 6 --vary noise=0.5,dropped=1,ghosts=1,latency=30",
+    ],
+)
+def test_the_recording_of_any_trial_replays_to_the_bit_with_its_settings(
+    words: str, tmp_path: Path
+) -> None:
+    chosen = trial_settings(parse(TrialOptions, "sandbox run", words.split()))
+    result = play_trial(chosen, record=tmp_path / "run.jsonl")
+    recording = load_recording(tmp_path / "run.jsonl")
+    session, found = replay(recording)
+    assert found.exact and found.complete and found.same_machine and found.compared > 100
+    assert session.state_hash == result.state_hash
+    assert recorded_settings(recording.header) == chosen
 
 
 def test_a_replay_runs_undisturbed_and_ends_with_its_devices_closed(recorded: Recorded) -> None:
