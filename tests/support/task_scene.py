@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Generic, TypeVar
+from typing import Generic, Self, TypeVar
 
 import mujoco
 import numpy as np
 
 from models.hand import Hand
+from models.rotations import quaternion_exp
 from models.scene import Scene, SceneSpec
 from tasks.sensing import Sensing
 from tasks.task import Measure, Task
@@ -40,6 +41,14 @@ class TaskScene(Generic[T]):
         put(self.scene, self.data, away)
         self.scene.set_solid(0, frozenset())
         self.sensing = Sensing(self.scene, self.data)
+
+    def at_goals(self) -> Self:
+        """Puts the objects at their goals, at rest; returns the scene."""
+        for goal in self.task.goals:
+            joint = self.data.joint(goal.object)
+            joint.qpos[:3] = goal.position
+            joint.qpos[3:] = quaternion_exp([0.0, 0.0, goal.yaw])
+        return self
 
     def measure(self) -> Measure:
         """What the task says of its things, exactly as they are now."""

@@ -18,8 +18,10 @@ from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.guarded import build_scene, check_apart
 from tasks.registry import TASKS, find_task, hands_of
-from tasks.task import place_surface
+from tasks.task import Measure, place_surface
 from tasks.task_checks import check_task
+from tests.support.simulation import run
+from tests.support.task_scene import TaskScene
 
 NO_ROOM = {
     "box-to-goal": [(2.0, 2.0), (3.0, 10.0), (5.0, 3.0)],
@@ -92,6 +94,16 @@ def test_on_every_tablet_objects_are_apart_and_they_and_their_goals_are_on_the_s
     on = surface.to_surface(np.array([each.position for each in (*task.objects, *task.goals)]))
     free = [not getattr(each, "on", None) for each in (*task.objects, *task.goals)]
     assert np.all(on[free] >= 0.0) and np.all(on[free] <= surface.size)
+
+
+@pytest.mark.parametrize(
+    "name", ["box-to-goal", "wrench-slide", "books", "slalom", "gather", "insert"]
+)
+def test_a_trial_is_won_by_objects_that_rest_where_their_goals_are_drawn(name: str) -> None:
+    kind = find_task(name)
+    trial = TaskScene(kind.draw(3, place_surface(Surface(), kind))).at_goals()
+    run(trial.scene, trial.data, 0.3)
+    assert trial.measure() == Measure(True, 1.0, "")
 
 
 @every

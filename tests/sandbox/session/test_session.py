@@ -11,12 +11,13 @@ import pytest
 from models.frames import Contact
 from models.kinematics import Kinematics
 from sandbox.session.collision_gating import STUCK
+from sandbox.session.session import Session
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import Trial, play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tests.support.scripted import Script
+from tests.support.scripted import Script, scripted
 
 
 def trial(**options: Any) -> TrialResult:
@@ -162,3 +163,36 @@ def test_a_snapshot_shows_its_own_moment_whenever_it_is_looked_at() -> None:
     np.testing.assert_array_equal(later.objects["box"].rotation, box.rotation)
     assert later.goals == looked_at.goals
     assert later.hands is later.hands and later.goals is later.goals
+
+
+GRIP = ((0.060, 0.090), (0.090, 0.055), (0.110, 0.055))
+PALM = (0.12, 0.135)
+
+
+def touched(now: float, sized: bool = True, palm: bool = True) -> list[Contact]:
+    """A grip, and a palm that grows beside it once the hand is down; noisy sizes."""
+    rng = np.random.default_rng(round(1e6 * now))
+    contacts = [Contact(i, x, y, extent=(0.011, 0.009)) for i, (x, y) in enumerate(GRIP)]
+    if palm and now > 1.0:
+        size = 0.012 + 0.033 * min((now - 1.0) / 0.3, 1.0)
+        width, height = (size * rng.normal(1.0, 0.1, 2)).tolist()
+        contacts.append(Contact(9, *PALM, extent=(width, height)))
+    return contacts if sized else [replace(c, extent=None) for c in contacts]
+
+
+def played(session: Session, seconds: float = 2.0) -> str:
+    while session.time < seconds:
+        session.advance()
+    return session.state_hash
+
+
+def test_a_palm_changes_nothing_of_what_its_hand_does() -> None:
+    with_palm, without = (
+        scripted(touched, seed=3),
+        scripted(lambda t: touched(t, palm=False), seed=3),
+    )
+    assert played(with_palm) == played(without)
+    states = {c.id: c.state for c in with_palm.snapshot().hands[0].contacts}
+    assert states == {0: "active", 1: "active", 2: "active", 9: "palm"}
+    unsized = scripted(lambda t: touched(t, sized=False), seed=3)
+    assert played(unsized) != with_palm.state_hash, "without sizes it is a finger"

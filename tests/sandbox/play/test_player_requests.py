@@ -1,7 +1,9 @@
-"""A player on a page chooses fingers and tasks, their own task among them."""
+"""A player on a page chooses fingers and tasks; notices reach them and hold no session up."""
 
 from __future__ import annotations
 
+import contextlib
+import os
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,7 @@ from rich.console import Console
 from models.surface import PRESETS, Surface
 from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page
-from sandbox.play.player_requests import PlayerRequests, can_choose_fingers
+from sandbox.play.player_requests import NoticePrinter, PlayerRequests, can_choose_fingers
 from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol import PageScreen, PageTouches, PlayerRequest, decode
 from sandbox.server.web import WebDevice
@@ -19,6 +21,7 @@ from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions
 from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page
+from tests.support.processes import until
 
 
 def requested(task: str, value: str, settings: Settings | None = None) -> str:
@@ -107,3 +110,28 @@ def test_a_task_that_is_on_no_menu_is_no_request(tmp_path: Path) -> None:
     assert requests.task == "stack" and requests.again
     requests.take([PlayerRequest("task", "lab-push")])
     assert requests.task == own
+
+
+def test_a_terminal_that_takes_nothing_holds_up_nobody_and_gets_all_notices_later() -> None:
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(writing, b" " * 4096)
+    os.set_blocking(writing, True)
+    with os.fdopen(writing, "w") as terminal, os.fdopen(reading, "rb", buffering=0) as person:
+        printer = NoticePrinter(Console(file=terminal, width=60))
+        for number in range(100):
+            printer.say(f"notice {number} of [the hand]")
+        printer.wait(0.05)
+        assert printer.waiting > 90
+        seen = b""
+
+        def all_seen() -> bool:
+            nonlocal seen
+            seen += person.read(1 << 16)
+            return seen.count(b"of [the hand]") == 100
+
+        until(all_seen)
+        until(lambda: not printer.waiting)
+        assert seen.index(b"notice 3 ") < seen.index(b"notice 40 ")
