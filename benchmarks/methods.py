@@ -40,10 +40,9 @@ from scipy.stats import binomtest, t, wilcoxon
 from benchmarks.kept_trials import KeptTrials
 from benchmarks.machine import describe_machine
 from benchmarks.one_line import run
-from benchmarks.success import wilson
 from sandbox.figures.charts import COLOURS, FAINT, STYLE, figure, need_matplotlib
 from sandbox.regress.run_plan import parse_seeds
-from sandbox.regress.statistics import holm
+from sandbox.regress.statistics import holm, wilson
 from sandbox.session.session import Session
 from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import ViewMaker, play_trial
@@ -247,7 +246,7 @@ def rows(done: dict[Job, Played]) -> Iterator[str]:
         for method, trials in methods.items():
             plays = list(trials.values())
             won = [each.seconds for each in plays if each.success]
-            low, high = wilson(len(won), len(plays))
+            low, high = (100 * end for end in wilson(len(won), len(plays)))
             scores = [each.points for each in plays]
             least, most = interval(scores)
             pushes = [each.push for each in plays]

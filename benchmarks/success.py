@@ -32,14 +32,13 @@ from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
-from scipy.stats import binomtest
 
 from benchmarks.judged import JUDGED, judged_seeds
 from benchmarks.kept_trials import lines_of, not_these, whole_lines
 from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
 from models.errors import InputError
-from sandbox.regress.statistics import holm, mcnemar
+from sandbox.regress.statistics import holm, mcnemar, wilson
 from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
@@ -117,12 +116,6 @@ def trial(job: Job) -> dict[str, Any]:
     }
 
 
-def wilson(successes: int, n: int) -> tuple[float, float]:
-    """Returns the 95 % Wilson interval of a rate, in percent."""
-    interval = binomtest(successes, n).proportion_ci(0.95, method="wilson")
-    return 100 * interval.low, 100 * interval.high
-
-
 def load(*paths: Path) -> dict[Job, dict[str, Any]]:
     """Reads the finished trials of files, by job. An incomplete last line is left out.
 
@@ -144,7 +137,7 @@ def cell(found: list[dict[str, Any]]) -> str:
     if not found:
         return ""
     won = [r["time_s"] for r in found if r["success"]]
-    low, high = wilson(len(won), len(found))
+    low, high = (100 * end for end in wilson(len(won), len(found)))
     rate = f"{len(won)}/{len(found)} = {100 * len(won) / len(found):.1f} % [{low:.1f}, {high:.1f}]"
     return f"{rate} {median(won):.1f} s" if won else rate
 

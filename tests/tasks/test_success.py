@@ -8,19 +8,12 @@ from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
 from benchmarks.kept_trials import KeptTrials
-from benchmarks.success import load, trial, wilson
+from benchmarks.success import load, trial
 from models.errors import InputError
-
-
-def test_the_wilson_interval_is_the_published_one() -> None:
-    # Newcombe (1998), Statistics in Medicine 17, table I: 81 of 263 and 0 of 20, method 3.
-    assert np.allclose(np.array(wilson(81, 263)) / 100, (0.2553, 0.3662), atol=5e-5)
-    assert np.allclose(np.array(wilson(0, 20)) / 100, (0.0, 0.1611), atol=5e-5)
 
 
 def test_judged_seeds_follow_from_the_frozen_configuration_alone() -> None:
