@@ -72,19 +72,6 @@ MOST_SEEDS = 100_000
 """Largest number of seeds in a range. A larger range was probably mistyped, and is refused."""
 
 
-_OF_ONE_TRIAL = {
-    "task",
-    "seed",
-    "device",
-    "device_options",
-    "record",
-    "events",
-    "dump",
-    "given",
-}
-"""Options of a trial that cannot be options of all trials of a run."""
-
-
 @dataclass(frozen=True)
 class TrialJob:
     """One trial to run, in any process.
