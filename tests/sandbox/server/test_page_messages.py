@@ -18,7 +18,7 @@ from sandbox.server.protocol import PageScreen, PageTouches, decode, encode
 from sandbox.server.web import WebDevice
 from sandbox.trial.settings import Settings
 from tests.sandbox.server.test_page_server import Stage
-from tests.sandbox.session.test_collision_gating import BESIDE_IT, INTO_THE_BOX, grip
+from tests.sandbox.session.test_contact_modes import BESIDE_IT, INTO_THE_BOX, grip
 from tests.support.page_client import Page
 from tests.support.scripted import run
 from tests.support.viewed import with_load

@@ -188,13 +188,12 @@ INTO_THE_BOX, BESIDE_IT = 0.03, 0.09
 """m between thumb and fingers; the box is 50 mm wide."""
 
 
-def grip(gap: float, contact: str = "hard", until: float = 99.0, **settings: Any) -> Session:
-    """A hand over the box, its fingers so far apart; beside it after `until` s."""
+def grip(gap: float, contact: str = "hard") -> Session:
+    """A hand over the box, its fingers so far apart."""
     empty = scripted(lambda now: (), seed=1)
     at = box_xy(empty)
     empty.close()
-    touch = pinch(at, lambda now: gap if now < until else BESIDE_IT)
-    return scripted(touch, seed=1, contact=contact, **settings)
+    return scripted(pinch(at, lambda now: gap), seed=1, contact=contact)
 
 
 @pytest.mark.parametrize(("gap", "contact"), [(BESIDE_IT, "hard"), (INTO_THE_BOX, "none")])
