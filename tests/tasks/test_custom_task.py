@@ -198,8 +198,8 @@ def test_a_mechanism_reaches_into_the_table_only_where_it_is_pressed_or_describe
 
 
 def test_objects_that_just_touch_do_not_overlap() -> None:
-    both = [BOX, replace(BOX, name="other", position=(0.0, 0.0, 0.06))], []
-    check_task(broken(place=classmethod(lambda *_: both)), [0])
+    boxes = [BOX, replace(BOX, name="other", position=(0.0, 0.0, 0.06))]
+    check_task(broken(place=classmethod(lambda *_: (boxes, []))), [0])
 
 
 @pytest.mark.parametrize(

@@ -91,9 +91,10 @@ def test_on_every_tablet_objects_are_apart_and_they_and_their_goals_are_on_the_s
     surface = place_surface(Surface(size[0] * hands_of(kind), size[1]), kind)
     task = kind.draw(seed, surface)
     check_apart(build_scene(task), name, "")
-    on = surface.to_surface(np.array([each.position for each in (*task.objects, *task.goals)]))
-    free = [not getattr(each, "on", None) for each in (*task.objects, *task.goals)]
-    assert np.all(on[free] >= 0.0) and np.all(on[free] <= surface.size)
+    places = [each.position for each in task.objects]
+    places += [goal.position for goal in task.goals if not goal.on]
+    on = surface.to_surface(np.array(places))
+    assert np.all(on >= 0.0) and np.all(on <= surface.size)
 
 
 @pytest.mark.parametrize(

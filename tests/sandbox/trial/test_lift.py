@@ -125,8 +125,8 @@ def test_no_lift_control_moves_the_hand_faster_than_it_may_or_out_of_its_range(
 
 
 def still() -> Played:
-    """A device with one frame."""
-    return Played([TouchFrame(0.0, (Contact(4, 0.01, 0.02),))])
+    """A device that gives one frame, and no other for a long time."""
+    return Played([TouchFrame(0.0, (Contact(4, 0.01, 0.02),)), TouchFrame(1e9)])
 
 
 def polled(keys: LiftKeys, begin: float, seconds: float) -> list[TouchFrame]:
