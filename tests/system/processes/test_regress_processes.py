@@ -54,23 +54,9 @@ def test_whoever_stops_asking_leaves_no_process_behind() -> None:
 def test_ctrl_c_in_a_terminal_keeps_what_is_done(tmp_path: Path) -> None:
     """All processes of a terminal get the signal, workers too; and they leave it to the first."""
     path, record = tmp_path / "out.json", tmp_path / "failed"
-    command = [sys.executable, "-m", "sandbox.cli.main", "regress"]
-    more = [
-        "--tasks",
-        "box-to-goal",
-        "--arm",
-        "plain",
-        "--seeds",
-        "0:500",
-        "--workers",
-        "1",
-        "--json",
-        path,
-        "--record",
-        record,
-    ]
+    line = f"regress --tasks box-to-goal --arm plain --seeds 0:500 --workers 1 --json {path}"
     started = subprocess.Popen(
-        [*command, *map(str, more), "--record", str(record)],
+        [sys.executable, "-m", "sandbox.cli.main", *line.split(), "--record", str(record)],
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,

@@ -25,7 +25,16 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_output import send_packet
-from tests.support.processes import PATIENCE, ROOT, Sender, program, run, until
+from tests.support.processes import (
+    PATIENCE,
+    ROOT,
+    Sender,
+    free_port,
+    program,
+    receiver,
+    run,
+    until,
+)
 from tests.support.tuio_packets import MALFORMED, frame, reference_frames
 
 
@@ -119,13 +128,10 @@ def test_a_compressed_recording_is_shown_as_the_plain_one(tmp_path: Path) -> Non
 def test_sending_keeps_bytes_order_and_pauses(tmp_path: Path) -> None:
     packets = [b"abcd", *MALFORMED.values(), b"", b"\x00" * 60_000, SCENES[0]]
     capture = capture_file(tmp_path / "odd.jsonl", packets)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
-        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-        receiver.bind(("127.0.0.1", 0))
-        receiver.settimeout(PATIENCE)
-        port = receiver.getsockname()[1]
+    with receiver() as there:
+        port = there.getsockname()[1]
         with program("touches", "send", capture, "--to", f"localhost:{port}", "--speed", "2") as it:
-            assert [receiver.recv(65_536) for _ in packets] == packets
+            assert [there.recv(65_536) for _ in packets] == packets
             assert it.end()[0] == 0
             took = it.error_line(r"sent (\d+) packets in ([\d.]+) s")
     assert int(took[1]) == len(packets)
@@ -166,12 +172,6 @@ def test_the_packet_that_meets_the_news_of_a_refusal_is_not_lost() -> None:
         assert send_packet(send.socket, b"heard", "there")
         assert receiver.recv(100) == b"heard"
         assert not send_packet(send.socket, b"again", "there")
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
-        taken.bind(("127.0.0.1", 0))
-        return int(taken.getsockname()[1])
 
 
 def test_a_damaged_capture_is_used_up_to_the_line_that_is_named(tmp_path: Path) -> None:
@@ -267,10 +267,8 @@ def test_bad_input_is_one_clear_message_and_status_2(
 def test_however_sending_is_ended_no_finger_stays_down_at_the_receiver(
     request_to_end: signal.Signals, as_without_nohup: None
 ) -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
-        receiver.bind(("127.0.0.1", 0))
-        receiver.settimeout(PATIENCE)
-        to, port = f"127.0.0.1:{receiver.getsockname()[1]}", free_port()
+    with receiver() as there:
+        to, port = f"127.0.0.1:{there.getsockname()[1]}", free_port()
         with program(
             *("touches", "send", "--device", "tuio", "--port", str(port), "--tuio", to),
             *("--surface", "7.76x5.82in", "--stale-after", str(PATIENCE)),
@@ -280,14 +278,14 @@ def test_however_sending_is_ended_no_finger_stays_down_at_the_receiver(
                 alive: list[tuple[int, ...]] = [()]
                 while not alive[-1]:
                     finger(frame(1, {1: (0.5, 0.5)}))
-                    alive.append(alive_in(receiver))
+                    alive.append(alive_in(there))
             it.process.send_signal(request_to_end)
             status, _ = it.end()
             assert status == 0, it.errors
-        receiver.settimeout(0.5)
+        there.settimeout(0.5)
         with contextlib.suppress(TimeoutError):
             while True:
-                alive.append(alive_in(receiver))
+                alive.append(alive_in(there))
     assert alive[-1] == ()
 
 
@@ -303,25 +301,20 @@ class Network(socket.socket):
 
 
 def test_a_network_that_is_away_for_a_moment_does_not_end_the_sending() -> None:
-    with (
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
-        Network(socket.AF_INET, socket.SOCK_DGRAM) as channel,
-    ):
-        receiver.bind(("127.0.0.1", 0))
-        receiver.settimeout(PATIENCE)
-        channel.connect(receiver.getsockname())
+    with receiver() as there, Network(socket.AF_INET, socket.SOCK_DGRAM) as channel:
+        channel.connect(there.getsockname())
         assert send_packet(channel, b"lost", "it")
         channel.trouble = errno.EACCES
         with pytest.raises(DeviceError, match="cannot be sent"):
             send_packet(channel, b"refused", "it")
         channel.trouble = 0
         assert not send_packet(channel, b"heard", "it")
-        assert receiver.recv(99) == b"heard"
+        assert there.recv(99) == b"heard"
 
 
-def alive_in(receiver: socket.socket) -> tuple[int, ...]:
+def alive_in(there: socket.socket) -> tuple[int, ...]:
     """Fingers that are down according to the next packet, by python-osc's own reader."""
-    for timed in OscPacket(receiver.recv(65_536)).messages:
+    for timed in OscPacket(there.recv(65_536)).messages:
         if timed.message.params[:1] == ["alive"]:
             return tuple(timed.message.params[1:])
     return ()
