@@ -433,7 +433,7 @@ def pressed(goals: tuple[Goal, ...], sensing: Sensing, first: Measure | None = N
             finger=by_others,
         )
     elif wrong:
-        reason = Message("chord_other_key", "a key is down that is not blue")
+        reason = Message("chord_other_key", "a white key is down: lift its finger")
     # Only success is 1.
     progress = 1.0 if not reason else min(right / len(asked), 0.99)
     return Measure(not reason, progress, reason, first=first)

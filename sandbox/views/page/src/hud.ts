@@ -105,6 +105,8 @@ export class Hud {
   private readonly voice = make("p", "voice");
   /** State of the trial that was spoken last. */
   private spoken = "";
+  /** The words under the progress. */
+  private written = "";
   private readonly header: HTMLElement;
   private readonly words: HTMLElement;
   private readonly score: HTMLElement;
@@ -212,12 +214,16 @@ export class Hud {
     }
     const reason = state.reason ? repeat(state.reason) : "";
     let words = reason;
-    if (demonstrated) words = say(state.pause === "menu" ? "go_on" : "demonstration");
+    const within = demonstrated && state.time > 0;
+    if (demonstrated) words = say(within ? "demonstration_within" : "demonstration");
     else if (turned) words = say("stands_still");
     else if (state.pause) words = say(whyPaused(state.pause, player, state.hands.length));
     else if (state.held) words = say("stayed");
     else if (state.reached) words = say("there");
     write(this.reason, words);
+    this.reason.classList.toggle("example", within);
+    if (words !== this.written) this.keepInside();
+    this.written = words;
     this.speak(state, words, limit);
     const notice = state.notices.find(({ key }) => helps(key, state, atFinger));
     if (notice) this.say(repeat(notice));
@@ -286,6 +292,12 @@ export class Hud {
       text.style.top = `${place.top - y}px`;
       taken.push(place);
     }
+  }
+
+  /** Moves the progress up where a second line of words would be below the page. */
+  private keepInside(): void {
+    const below = this.score.getBoundingClientRect().bottom - (window.innerHeight - SIDE);
+    if (below > 0) this.score.style.top = `${(Number.parseFloat(this.score.style.top) || 0) - below}px`;
   }
 
   /** The place on a phone between the words and the buttons, or the table, in CSS pixels. */
