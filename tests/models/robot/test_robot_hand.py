@@ -198,6 +198,17 @@ def test_a_mapping_is_read_as_it_was_written(mapping: RobotMapping, tmp_path: Pa
     assert replace(again, file=mapping.file).as_toml() == mapping.as_toml()
 
 
+def test_another_model_or_mapping_has_another_digest(mapping: RobotMapping, tmp_path: Path) -> None:
+    hand = RobotHand("right", mapping)
+    assert hand.digest == RobotHand("left too", mapping).digest
+    longer = replace(mapping, scales=(1.5, *mapping.scales[1:]))
+    assert RobotHand("right", longer).digest != hand.digest
+    path = hinge_hand(tmp_path)
+    path.write_text(path.read_text().replace('range="0 95"', 'range="0 94"', 1))
+    other = replace(mapping, file=str(path.with_suffix(".toml")))
+    assert RobotHand("right", other).digest != hand.digest
+
+
 @pytest.mark.needs("robots")
 @pytest.mark.parametrize("robot", ["shadow", "adroit"])
 def test_the_mappings_that_ship_are_those_of_the_fit(robot: str) -> None:
@@ -219,8 +230,10 @@ def test_the_mappings_that_ship_are_those_of_the_fit(robot: str) -> None:
         ('"thumb_tip", ', ""),
         ('palm = "palm"', 'palm = "fist"'),
         ("index_tip", "index_top"),
+        ('side = "right"', 'side = "upper"'),
         ("tips = [", "tips = "),
         ("scales = [", 'scales = ["long", '),
+        ("right_hinges.xml", "wrong_hinges.xml"),
         ("right_hinges.xml", "no_such_hands:hand.xml"),
         ("radii = [", "places = [[0, 0, 0]]\nradii = ["),
         ("offset = [", "offset = [nan, 0, 0]\n#"),
