@@ -88,7 +88,7 @@ def page(notebook: Any) -> tuple[str, list[bytes]]:
             elif words := _text(output):
                 parts.append(f"```text\n{words}\n```")
     intro = (
-        "*[examples/notebook.ipynb](../examples/notebook.ipynb), with what `python -m "
+        "*[examples/notebook.ipynb](../examples/notebook.ipynb), with the output of `python -m "
         "tools.docs.notebook`. CI runs the notebook at every change.*"
     )
     title, _, rest = "\n\n".join(parts).partition("\n\n")
