@@ -143,7 +143,7 @@ def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
     assert read_pseudonym(f" {name.lower()} ") == name
     wrong = name[:place] + sign + name[place + 1 :]
     if wrong != name:
-        with pytest.raises(StudyError, match="last character"):
+        with pytest.raises(StudyError, match="checksum"):
             read_pseudonym(wrong)
 
 

@@ -268,7 +268,7 @@ def test_levels_are_compared_by_all_that_they_set_of_a_trial(
     )
     (tmp_path / "design.toml").write_text(written(some, "tables")[0])
     told = [str(mistake) for mistake, _ in found_in(tmp_path / "design.toml")]
-    assert sum("set the same" in what for what in told) == wanted, told
+    assert sum("have the same settings" in what for what in told) == wanted, told
 
 
 @pytest.mark.parametrize("repetitions", [2, 3, 6])
