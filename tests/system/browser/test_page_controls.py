@@ -200,8 +200,8 @@ def test_keys_belong_to_the_form_that_is_open_and_not_to_the_lift_control(
 
 SHOWN = "document.querySelector('.reason').textContent.startsWith('This is how')"
 """True while a demonstration is shown."""
-GOES_ON = "document.querySelector('.reason').textContent.startsWith('Touch, and time')"
-"""True while time stands still within a trial, also while a demonstration is shown."""
+EXAMPLE = "document.querySelector('.reason').textContent.startsWith('Only an example')"
+"""True while a demonstration is shown within a trial."""
 HINT = "document.querySelector('.hint').checkVisibility() && document.querySelector('.hint-words')"
 
 
@@ -219,12 +219,12 @@ def test_a_task_is_shown_on_its_own_table_until_the_player_touches_and_again_beh
         assert wait_for(lambda: page.time > 0.3)
         tab.touch([])
         tab.tap("?")
-        tab.wait(GOES_ON)
+        tab.wait(EXAMPLE)
         assert wait_for(lambda: page.pause == "menu")
         stood = page.stops()
         page.touch_again()
         assert wait_for(lambda: page.time > stood + 0.2)
-        tab.wait(f"!({GOES_ON})")
+        tab.wait(f"!({EXAMPLE})")
 
 
 def test_who_has_done_a_task_is_not_shown_how(browser: Browser, server: PageServer) -> None:
