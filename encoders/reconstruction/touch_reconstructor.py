@@ -34,7 +34,7 @@ from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.regression.trained import TrainedModel
 from models.arithmetic import Array, distance
 from models.errors import EncoderError
-from models.frames import Contact, TouchFrame
+from models.frames import FINGERS, Contact, TouchFrame
 from models.pose import ROOT_POSITION, absolute_pose, within_limits
 from models.single_pose import SinglePose
 from models.skeleton import Skeleton
@@ -52,9 +52,8 @@ frame, 16 ms later, continues from the result. While fingers rest, the posture t
 to the most likely posture. With 0.003 instead, a frame takes 2.4 steps on average rather than 1.4,
 and the posture differs by less than a degree."""
 
-_UNLIKELY, _SURE = 0.1, 0.75
-"""When a finger joins a hand that is down, labels that are less probable than the first value
-change to the most probable labels, if these are more probable than the second value."""
+_UNLIKELY = 0.1
+"""Probability of the labels of a hand that is down below which the fifth finger changes them."""
 
 
 @dataclass(frozen=True)
@@ -231,8 +230,8 @@ class TouchReconstructor:
 
         Until the hand comes down, labels may change; the posture filter smooths such changes. From
         then on, labels stay, since a change would break the grasp, and a finger that joins gets one
-        of the free labels. An exception is a joining finger that shows the earlier labels to be
-        wrong, as when somebody puts five fingers down slowly, one after another.
+        of the free labels. Only the fifth finger may change the earlier labels, since five touches
+        show which finger is which: somebody may put five fingers down slowly, one after another.
         """
         tracks = self._tracker.tracks
         present = frozenset(tracks)
@@ -264,11 +263,9 @@ class TouchReconstructor:
         else:
             places = {i: t.place for i, t in tracks.items()}
             self._labelling = self.labeller.assign(places, fixed)
-            joins = fixed and len(places) > len(fixed)
-            if joins and self._labelling.probability < _UNLIKELY:
-                free = self.labeller.assign(places, {})
-                if free.probability > _SURE:
-                    self._labelling = free
+            fifth_joins = 0 < len(fixed) < len(places) == len(FINGERS)
+            if fifth_joins and self._labelling.probability < _UNLIKELY:
+                self._labelling = self.labeller.assign(places, {})
         self._labels = self._labelling.labels
 
     def _motion(self, dt: float, low: bool) -> tuple[Motion, float]:
