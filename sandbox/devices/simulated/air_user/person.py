@@ -155,7 +155,7 @@ class AirPerson:
         (5, 4, 3) m in palm coordinates, at the time `now`."""
         sight = self._eye.at(now)
         if sight is not None and now >= self._until - 1e-9 and self._kind != "idle":
-            self._act(self._watched(sight), now) if self._kind == "skilled" else self._anywhere(now)
+            self._anywhere(now) if self._kind == "random" else self._act(self._watched(sight), now)
         return self.body.joints(self._movement.at(now))
 
     def _watched(self, sight: Sight) -> Sight:
