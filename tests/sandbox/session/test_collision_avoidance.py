@@ -17,12 +17,14 @@ from models.pose import JOINTS
 from models.scene import Scene, SceneSpec
 from models.single_pose import SinglePose
 from models.skeleton import ADULT
+from sandbox.session import collision_avoidance
 from sandbox.session.collision_avoidance import REACH, HandDistances
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import play_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
+from tests.support.corrections import Changes
 from tests.support.scripted import box_xy, run, scripted
 from tests.support.simulation import put
 
@@ -181,6 +183,25 @@ def distance_from_box(scene: Scene, data: mujoco.MjData, geom: int, radius: floa
     return float(box.clearance(points, *scene.object_pose(data, "box")).min() - radius)
 
 
+@pytest.mark.parametrize("height", [0.075, 0.09, 0.1])
+def test_every_part_within_reach_of_a_thing_is_measured(height: float) -> None:
+    """The box's own distances are the independent reader."""
+    distances, data = hand_by_box()
+    scene = fresh_scene()
+    put(scene, data, np.concatenate([[0.0, 0.02, height], np.zeros(45)]))
+    mujoco.mj_forward(scene.model, data)
+    parts, found, _ = distances.near(data)
+    checked = 0
+    for link in scene.spec.hands[0].links:
+        geom = scene.model.geom(link.tip_geom).id
+        clear = distance_from_box(scene, data, geom, link.radius)
+        if 0.0 < clear < REACH - 0.001:
+            measured = min([d for p, d in zip(parts, found, strict=True) if p == geom], default=1.0)
+            assert measured == pytest.approx(clear, abs=5e-4)
+            checked += 1
+    assert checked >= 3
+
+
 def test_the_two_parts_of_a_last_link_are_the_whole_of_it() -> None:
     """Whichever way a finger stands to a thing: also with its last joint foremost."""
     distances, data = hand_by_box()
@@ -211,6 +232,28 @@ def between_books(seed: int, views: Callable[[Session], Sequence[View]]) -> bool
     """Plays `books`, where the encoder's pose is inside of a book; tells whether it succeeded."""
     chosen = trial_settings(TrialOptions(task="books", seed=seed, solid="hand"))
     return play_trial(chosen, device_makers(chosen), views).success
+
+
+def back(seed: int) -> float:
+    """rad a control step that corrections take back of the step before, in one trial."""
+    seen: list[Changes] = []
+
+    def watch(session: Session) -> list[View]:
+        seen.append(Changes(session))
+        return [*seen]
+
+    assert between_books(seed, watch)
+    assert seen[0].steps > 100
+    return seen[0].back / seen[0].steps
+
+
+@pytest.mark.parametrize("seed", [9001, 9002])
+def test_without_a_share_of_the_correction_before_a_hand_between_books_trembles_twice_as_much(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steady = back(seed)
+    monkeypatch.setattr(collision_avoidance, "STEADY", 1e3)
+    assert back(seed) > 2.0 * steady
 
 
 @pytest.mark.parametrize("seed", [7001, 7002, 7003])
