@@ -109,3 +109,10 @@ def test_pictures_without_the_hand_are_counted_and_not_the_steps_that_see_them()
     for step in range(20, 40):
         reconstructor.step(LandmarkFrame(step * PERIOD, (), SIZE, 1.0 + step // 10))
     assert dict(reconstructor.counts) == {"pictures without the hand": 2}
+
+
+def test_fingertips_are_never_commanded_below_the_table() -> None:
+    low = Camera(at=(0.0, 0.45, -0.30))
+    found = watched(LandmarkReconstructor(low), still([seen(held_up(25.0), low)]), 1.5)
+    tips = Kinematics(ADULT).tips(found.q)
+    assert (tips[:, 2] - ADULT.tip_radius).min() > -1e-9

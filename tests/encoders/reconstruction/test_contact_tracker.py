@@ -275,3 +275,14 @@ def test_an_id_that_a_device_uses_again_elsewhere_is_another_finger() -> None:
     tracker.step(frame(2 * DT, THUMB, far))
     assert len(tracker.tracks) == 2
     assert len(before & set(tracker.tracks)) == 1
+
+
+@given(frames=sequences())
+def test_positions_stay_finite_and_counts_only_grow(frames: list[TouchFrame]) -> None:
+    tracker = ContactTracker()
+    counts: dict[str, int] = {}
+    for each in frames:
+        tracker.step(each)
+        assert all(np.isfinite(t.place).all() for t in tracker.tracks.values())
+        assert all(tracker.counts[reason] >= n for reason, n in counts.items())
+        counts = dict(tracker.counts)

@@ -24,6 +24,7 @@ from models.motion.armature import (
     Z_UP,
     Armature,
     Keys,
+    chunks,
 )
 from models.motion.asf import AmcWriter, read_amc, read_asf
 from models.motion.bvh import BvhWriter, read_bvh
@@ -354,3 +355,24 @@ def test_what_is_no_frame_rate_is_refused() -> None:
     for rate in (0, -1, float("nan"), float("inf"), 1e9):
         with pytest.raises(MotionError, match="not a frame rate"):
             Sampler((Armature(ADULT),), rate)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("seed", range(3))
+def test_angles_never_jump_in_any_order(order: str, seed: int) -> None:
+    armature = Armature(ADULT)
+    q = moving(ADULT, 600, seed)
+    euler = ContinuousEuler(order)
+    angles = np.concatenate(
+        [
+            euler.angles(armature.relative(k, armature.zero(order), Y_UP)[1])
+            for k in chunks(armature, q)
+        ]
+    )
+    # Joints swing through at most 110 degrees 1.5 times a second: 9 degrees a frame at most, in
+    # rotation vectors; Euler angles of the same motion move faster, but nowhere near a half turn.
+    assert np.rad2deg(np.abs(np.diff(angles[:, 1:], axis=0)).max()) < 25
+    assert np.rad2deg(np.abs(np.diff(angles[:, 0], axis=0)).max()) < 25
+    assert euler.biggest_step == np.abs(np.diff(angles, axis=0)).max()
+    moment, joint = euler.biggest_at
+    assert np.abs(angles[moment, joint] - angles[moment - 1, joint]).max() == euler.biggest_step

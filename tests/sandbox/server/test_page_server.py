@@ -491,3 +491,27 @@ def test_who_waits_for_the_seat_learns_when_it_is_free_and_may_ask_for_it(
         first.close()
         assert second.until("seat")["wait_s"] == 1
         assert second.until("welcome")["role"] == "player"
+
+
+def until_taken_away(stage: Stage) -> list[TouchFrame]:
+    """Touch frames up to one that cancels."""
+    frames: list[TouchFrame] = []
+
+    def taken_away() -> bool:
+        frames.extend(stage.device.poll())
+        return bool(frames and frames[-1].cancelled)
+
+    assert wait_for(taken_away), frames
+    return frames
+
+
+def test_a_page_that_falls_silent_loses_its_fingers(stage: Stage) -> None:
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        for silences in (1, 2):
+            page.touch((1, 2.0, 2.0))
+            frames = until_taken_away(stage)
+            assert [c.id for frame in frames for c in frame.contacts] == [1]
+            assert frames[-1].cancelled == {1}
+            assert not stage.device.touched
+            assert stage.server.counters["silent page"] == silences
