@@ -164,8 +164,12 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
             session = show(server, width, height, scaled(server.screen, lifts=True))
         tab.wait("!!document.querySelector('.dot[data-condition=open]')")
         snapshot = session.advance()
-        server.publish(snapshot, "start")
-        tab.wait("document.querySelector('.preparing').hidden")
+        # One frame after the other, as in play.
+        until = time.monotonic() + START
+        while not tab.evaluate("document.querySelector('.preparing').hidden"):
+            assert time.monotonic() < until, f"the page shows no table; {tab.text()}"
+            server.publish(snapshot, "start")
+            time.sleep(0.05)
         yield settled("start", tab)
         tab.tap(words["tasks"])
         yield settled("tasks", tab)

@@ -119,7 +119,7 @@ def test_a_browser_that_cannot_draw_in_3d_says_so(server: PageServer, tmp_path: 
         until(page, "document.querySelector('[role=alert].preparing')")
         said = page.evaluate("document.querySelector('.preparing').textContent")
         assert said == words_in("en")["no_drawing"]
-        assert page.evaluate("earlySocket.readyState >= WebSocket.CLOSING")
+        until(page, "earlySocket.readyState >= WebSocket.CLOSING")
         assert not [e["text"] for e in page.happened("log.entryAdded") if e["level"] == "error"]
     finally:
         page.close()

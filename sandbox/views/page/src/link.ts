@@ -36,3 +36,11 @@ export function openSocket(): WebSocket {
   const alive = earlySocket && earlySocket.readyState <= WebSocket.OPEN;
   return alive ? earlySocket : new WebSocket(socketAddress());
 }
+
+/** Closes the early socket of a page that cannot use it; while it still connects, a browser would call that an
+ * error. */
+export function closeEarly(): void {
+  const { earlySocket } = window;
+  if (earlySocket?.readyState === WebSocket.CONNECTING) earlySocket.onopen = closeEarly;
+  else earlySocket?.close();
+}

@@ -15,7 +15,7 @@ import { Hint } from "./hint";
 import { Hud } from "./hud";
 import { type Rectangle, touchRectangle } from "./camera";
 import { Lift, elsewhere } from "./lift-slider";
-import { spectator } from "./link";
+import { closeEarly, spectator } from "./link";
 import { lookOn, reload } from "./page-address";
 import { measureScreen } from "./measure";
 import { type Switch, settingsMenu, taskMenu } from "./menu";
@@ -869,4 +869,4 @@ class Page {
 const contactsOf = ({ state }: Frame): ContactState[] => state.hands.flatMap(({ contacts }) => contacts);
 
 if (canDraw()) new Page();
-else window.earlySocket?.close();
+else closeEarly();
