@@ -41,6 +41,7 @@ class Goal:
         on: Name of the lower object, on whose current position the object should stand. `place`
             converts such goals to positions in the world.
         shown: False for an object that only has to stay in place; views draw nothing for it.
+        ghost: False where any pose within a painted area counts; views draw only the area.
     """
 
     object: str
@@ -48,6 +49,12 @@ class Goal:
     yaw: float
     on: str | None = None
     shown: bool = True
+    ghost: bool = True
+
+    @property
+    def drawn(self) -> bool:
+        """True if views draw the object's ghost at the goal."""
+        return self.shown and self.ghost
 
 
 class Posed(Protocol):

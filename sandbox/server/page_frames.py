@@ -193,7 +193,7 @@ def state_of(snapshot: Snapshot, pause: Pause, own: int | None = None) -> State:
             _hand(hand, load, own in (None, i))
             for i, (hand, load) in enumerate(zip(hands, loads, strict=True))
         ],
-        [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals if g.shown],
+        [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals if g.drawn],
         [localised(notice) for notice in snapshot.notices],
         pause,
     )

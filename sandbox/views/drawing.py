@@ -192,7 +192,7 @@ class Drawing:
             self._marks.box(half, place, np.eye(3), SHELF, 1.0)
         colour = goal_colour(snapshot)
         for goal in snapshot.goals:
-            if goal.shown:
+            if goal.drawn:
                 self._draw_goal(goal, snapshot, colour)
         for i, hand in enumerate(snapshot.hands):
             if drawn[i]:

@@ -208,7 +208,7 @@ class Gather(TaskDefaults):
 
     Scene: twelve dice of 12 mm, 2.1 g each, lie on the table around a painted ring of 4 cm radius.
     The friction coefficient against the table is 0.5.
-    Goal: all dice in the ring. Translucent dice in the ring show that there is room.
+    Goal: all dice in the ring, at any places in it.
     Success: the middle of every die is within the ring, every die is slower than 1 cm/s, and no
     hand touches a die, all for 0.5 s without a break, within 90 s.
     Start: the ring's middle is uniform, at least 55 mm from the surface's border. The middles of
@@ -320,15 +320,14 @@ def _scattered(rng: np.random.Generator, middle: Array, size: Array) -> list[Arr
 
 
 def _dice_goals(ring: PaintedRing) -> tuple[Goal, ...]:
-    """Goals of the dice: an outer circle of nine and an inner circle of three."""
+    """Goals of the dice: an outer circle of nine and an inner circle of three, which are not drawn."""
     goals = []
     for i in range(COUNT):
         share, angle = (0.78, 2 * pi * i / 9) if i < 9 else (0.28, 2 * pi * i / 3)
         x, y = ring.middle
         out = share * ring.radius
-        goals.append(
-            Goal(f"die{i + 1}", (x + out * cos(angle), y + out * sin(angle), EDGE / 2), angle)
-        )
+        place = x + out * cos(angle), y + out * sin(angle), EDGE / 2
+        goals.append(Goal(f"die{i + 1}", place, angle, ghost=False))
     return tuple(goals)
 
 

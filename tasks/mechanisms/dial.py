@@ -251,11 +251,14 @@ class Dial(TaskDefaults):
         off = abs(knob.position - self.mark)
         reason: str = ""
         if off > TOLERANCE:
-            reason = Message(
-                "knob_from_mark",
-                "the knob is {degrees} degrees from the mark",
-                degrees=f"{np.rad2deg(off):.0f}",
-            )
+            degrees = f"{np.rad2deg(off):.0f}"
+            # Seen from above, a positive turn is anticlockwise.
+            if knob.position > self.mark:
+                words = "turn the knob {degrees} degrees clockwise"
+                reason = Message("knob_clockwise", words, degrees=degrees)
+            else:
+                words = "turn the knob {degrees} degrees anticlockwise"
+                reason = Message("knob_anticlockwise", words, degrees=degrees)
         elif sensing.object(KNOB).held:
             reason = Message("knob_touched", "a hand still touches the knob")
         elif abs(knob.speed) > SPEED:

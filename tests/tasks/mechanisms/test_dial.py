@@ -72,6 +72,22 @@ def test_it_counts_at_the_mark_and_at_rest_only() -> None:
     assert not trial.at(mark - np.sign(mark) * 2 * pi).reached
 
 
+@pytest.mark.parametrize("seed", range(6_000, 6_006))
+def test_the_reason_names_the_direction_in_which_the_pointer_nears_the_mark(seed: int) -> None:
+    trial = Trial(seed)
+    pointer = np.empty((2, 2))
+    sign = -1 if " clockwise" in trial.at(0.0).reason else 1
+    for row, angle in zip(pointer, (0.0, 0.1 * sign), strict=True):
+        trial.data.joint(KNOB).qpos[:] = angle
+        mujoco.mj_forward(trial.scene.model, trial.data)
+        row[:] = trial.data.body(KNOB).xmat.reshape(3, 3)[:2, 1]
+    # Seen from above, with x to the right and y away from the person.
+    turned = np.cross(np.append(pointer[0], 0), np.append(pointer[1], 0))[2]
+    assert np.sign(turned) == sign
+    off = [abs(wrapped(angle - trial.task.mark)) for angle in (0.0, 0.1 * sign)]
+    assert off[1] < off[0]
+
+
 def test_friction_holds_the_knob_against_less_than_its_torque_and_end_stops_hold_it() -> None:
     trial = Trial()
     data = trial.data
