@@ -320,7 +320,7 @@ def _scattered(rng: np.random.Generator, middle: Array, size: Array) -> list[Arr
 
 
 def _dice_goals(ring: PaintedRing) -> tuple[Goal, ...]:
-    """Goals of the dice: an outer circle of nine and an inner circle of three, which are not drawn."""
+    """Goals of the dice, not drawn: an outer circle of nine and an inner circle of three."""
     goals = []
     for i in range(COUNT):
         share, angle = (0.78, 2 * pi * i / 9) if i < 9 else (0.28, 2 * pi * i / 3)
