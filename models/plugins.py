@@ -140,7 +140,7 @@ class PluginKind(Generic[T]):
         error: Class of the errors.
         registry: The built-in plug-ins; their names take precedence over those of packages.
         defines: True for a class of this kind. A file that defines a single such class can be named
-            without the class; with None, the class must be named.
+            without the class. If `defines` is None, the class must be named.
         takes_argument: True if a name or a place may be followed by `:ARGUMENT`.
         article: "a" or "an".
         verb: Participle in the error for a plug-in that cannot be used: "loaded" or "opened".
@@ -274,7 +274,8 @@ class PluginKind(Generic[T]):
         return place.member or self._names_in(load_file(place.file))[0]
 
     def package_of(self, value: type, name: str = "") -> dict[str, str]:
-        """Origin of a class at the top of its module, as headers of recordings contain it.
+        """Origin of a class at the top of its module, in the form that headers of recordings
+        contain.
 
         Args:
             value: The class.

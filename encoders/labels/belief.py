@@ -13,10 +13,10 @@ contacts. Three events change it.
   their labels. When one finger lifts and another lands, the two contacts were never down together
   but belong to one posture. A lifted contact's place is therefore shifted along with the contacts
   that stayed, until these have moved so far that the place is no longer informative.
-- Contacts land. The belief about the old contacts is multiplied by
-  p(all | layout) / p(old | layout). A remembered contact either counts as an old contact, of a
-  finger that has not landed again, or is one of the new contacts, whose finger has returned. Old
-  contacts that have moved since their last evaluation are evaluated again.
+- Contacts land. The belief about the old contacts is multiplied by p(all|layout) / p(old|layout). A
+  remembered contact is either an old contact, whose finger is still lifted, or one of the new
+  contacts, whose finger has returned. Old contacts that have moved since their last evaluation are
+  evaluated again.
 
 Early mistakes are thus stored as uncertainty, which later frames can correct.
 
@@ -364,9 +364,8 @@ _ASSUMED = {
     "least": LEAST,
     "own": [_CERTAIN, MOST, NEW, *FAR, *astuple(SHAPE)],
 }
-"""The constants that affect labels in addition to the file, for digests. `ODD` and `FAINT` are not
-among them: they change the claimed probabilities, and labels only where sets of fingers are
-declared."""
+"""Constants that affect labels and are not in the file; digests include them. `ODD` and `FAINT` are
+absent: without declared sets of fingers they change only the claimed probabilities."""
 
 
 @dataclass(frozen=True)

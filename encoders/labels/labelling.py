@@ -171,8 +171,8 @@ def allowed(ids: tuple[int, ...], fixed: Mapping[int, int]) -> NDArray[np.bool_]
 
 @cache
 def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
-    """Rows (P,), for every labelling of `count` contacts: the row of `hypotheses(len(places))` with
-    the labels of the contacts at `places`."""
+    """For each of the P labellings of `count` contacts: the row (P,) of `hypotheses(len(places))`
+    that has the labels of the contacts at `places`."""
     if not places:
         return np.zeros(len(hypotheses(count)), np.intp)
     weights = len(FINGERS) ** np.arange(len(places))

@@ -3,8 +3,9 @@
 A finger has the angles MCP flexion and spread, PIP flexion and DIP flexion. The thumb has CMC
 flexion and spread, MCP flexion and IP flexion. All are in degrees. Flexion closes the hand; spread
 is positive towards the thumb. The first joint is rotated by flexion first, about the palm's line of
-knuckles, then by spread, so that neither angle is singular for any pose of a finger. A finger's
-angles are zero in the direction of the palm, and the thumb's in its rest pose of `models.skeleton`.
+knuckles, then by spread. In this order, neither angle is singular for any pose of a finger. A
+finger that points along the palm has zero angles. The thumb has zero angles in its rest pose of
+`models.skeleton`.
 """
 
 from __future__ import annotations
@@ -45,9 +46,9 @@ def by_name(table: ArrayLike) -> dict[str, float]:
 def angles_of_joints(joints: ArrayLike) -> Array:
     """Angles (..., 5, 4), degrees, of joints (..., 5, 4, 3) in palm coordinates.
 
-    The joints are knuckle, PIP, DIP and tip of each finger. The angle before a bone of length 0 is
-    0, for example for the third bone of a thumb with two bones. The angle between two bones is the
-    full angle, not its part in the plane of flexion. It is positive towards the palm.
+    The joints are knuckle, PIP, DIP and tip of each finger. The angle at the joint before a bone of
+    length 0 is 0, as for the third bone of a thumb with two bones. The angle between two bones is
+    the full angle, not its part in the plane of flexion. It is positive towards the palm.
     """
     joints = np.asarray(joints, float)
     bones = np.einsum("fji,...fbj->...fbi", FRAMES, np.diff(joints, axis=-2))
@@ -63,7 +64,8 @@ def angles_of_joints(joints: ArrayLike) -> Array:
         before, after = bones[..., bone - 1, :], bones[..., bone, :]
         across = np.cross(before, after)
         bend = np.arctan2(np.linalg.norm(across, axis=-1), np.sum(before * after, axis=-1))
-        # `palmar` is perpendicular to the bone before, and is then made perpendicular to this bone.
+        # Now `palmar` is perpendicular to the bone before. Below it is made perpendicular to this
+        # bone.
         side = np.sum(palmar * after, axis=-1)
         out.append(np.where(side < 0.0, -bend, bend))
         palmar = palmar - np.sum(palmar * after, axis=-1, keepdims=True) * after

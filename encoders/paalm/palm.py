@@ -1,5 +1,5 @@
-"""The palm's frame. Directions and positions of fingers are compared in this frame, and a finger
-that is not seen stays in place in it."""
+"""The palm's frame. Directions and positions of fingers are compared in this frame. An unseen
+finger keeps its place in it."""
 
 from __future__ import annotations
 

@@ -1,11 +1,13 @@
-"""Rest posture: poses of a person's resting hand, which a device sees once, correct an encoder.
+"""Rest posture: an encoder is corrected by poses of a person's resting hand, which a device sees
+once.
 
 Touches do not determine some constants of a person: the height of the wrist, the flexion of fingers
 at rest, the zero of a device. An encoder for any person therefore has a constant error for each
 person. A camera or a Leap that sees the hand on the surface for a moment measures this error: it is
 the difference between the seen pose and the encoder's pose, averaged over a few samples. A sample
 also contains the accidental posture of its moment. Therefore only the part of the difference that
-is likely to be constant is used (a random effect whose variance is that of the population).
+is likely to be constant is used. It is estimated as a random effect with the variance of the
+population.
 
 A sample has the touches and the pose of one moment, in metres and radians. Both are those of the
 person's hand in its own size, in the 3-D surface frame; a left hand is mirrored to a right hand.
@@ -338,8 +340,7 @@ MOVED = 0.040
 
 
 class SeenRest:
-    """Takes samples of a hand that a device sees in the air, whenever it is held still as on a
-    screen.
+    """Takes a sample of a hand in the air whenever the hand is held still, as if on a screen.
 
     The person holds the hand still for a second, relaxed, with all fingertips on one level: on a
     table, on the switched-off screen, or above the device. The sample's pose is the median of that

@@ -87,8 +87,8 @@ _REPEATED = 0.5
 but its noise is not independent."""
 
 _GROWING = log(0.25)
-"""Log prior of a course that grows, relative to a course with full size from the start. It allows
-for the fact that the best of about a dozen growing courses is used."""
+"""Log prior of a course that grows, relative to a course with full size from the start. It
+compensates for the choice of the best of about a dozen growing courses."""
 
 _ONTO = (100.0, 150.0, 200.0, 250.0, 300.0, 400.0)
 """Durations (ms) of growth."""

@@ -172,9 +172,9 @@ class ArrivalSettings:
             off.
         settle: Time (s) for which the set of contacts must be unchanged before it is labelled.
         dwell: Time (s) for which the touches must rest before the hand comes down.
-        rest: Speed (m/s) below which touches count as resting. Touches also rest if none is farther
-            from its place `dwell` ago than this speed allows. (Noise of a screen is fast from step
-            to step, but does not move a touch away.)
+        rest: Speed (m/s) below which touches count as resting. Touches also rest if, over `dwell`,
+            none has moved farther than this speed allows. (Noise of a screen is fast from step to
+            step, but does not move a touch away.)
         patience: Time (s) after which the hand comes down although the touches do not rest.
         place: Distance (m) from its place within which the hand comes down.
         down: Speed (m/s) of the hand on its way down.
@@ -380,6 +380,6 @@ class RateLimit:
 
 
 GENTLE = RateLimit(0.6, 7.0)
-"""Speed limits of hands that are not stronger than the profile `safe`. With the limits of 1 m/s and
-12 rad/s, a fingertip may meet an object at 1.6 m/s, which is 3 mm in one physics step. Hands of
+"""Speed limits of hands that are not stronger than the profile `safe`. With the default limits of
+`RateLimit`, a fingertip may meet an object at 1.6 m/s, which is 3 mm in one physics step. Hands of
 30 N and of 6000 N are equally fast (measured at db485e42)."""

@@ -53,7 +53,8 @@ to the most likely posture. With 0.003 instead, a frame takes 2.4 steps on avera
 and the posture differs by less than a degree."""
 
 _UNLIKELY = 0.1
-"""Probability of the labels of a hand that is down below which the fifth finger changes them."""
+"""If the labels of a hand that is down are less probable than this, the fifth finger may change
+them."""
 
 
 @dataclass(frozen=True)
@@ -229,8 +230,8 @@ class TouchReconstructor:
         """Labels the contacts once their set has been stable for a while.
 
         Until the hand comes down, labels may change; the posture filter smooths such changes. From
-        then on, labels stay, since a change would break the grasp, and a finger that joins gets one
-        of the free labels. Only the fifth finger may change the earlier labels, since five touches
+        then on, labels stay, since a change would break the grasp. A finger that joins gets one of
+        the free labels. Only the fifth finger may change the earlier labels, since five touches
         show which finger is which: somebody may put five fingers down slowly, one after another.
         """
         tracks = self._tracker.tracks

@@ -197,7 +197,8 @@ def replay_recording(
     """Replays a recording, compares every state, and returns the trajectories.
 
     Args:
-        path: A recording, written by `record=FILE` or `--record FILE`, or of a study's trial.
+        path: A recording written by `record=FILE` or `--record FILE`, or a study's recording of a
+            trial.
         film, pictures, trajectories: As in `run_trial`.
 
     Returns:

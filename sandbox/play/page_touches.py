@@ -23,7 +23,7 @@ from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 _PERIOD = 1.0 / 30.0
-"""Time (s) between two frames for the page. The page sees by the frames that the program runs."""
+"""Time (s) between two frames for the page. The frames show the page that the program runs."""
 
 
 class PageTouches(Device):

@@ -6,9 +6,8 @@ commands the likeliest of these poses, given the encoder's pose. If no object is
 the encoder's pose itself.
 
 A pose is likely if it is near the encoder's pose and near the corrected pose of the step before. If
-no pose is clear, the active margins change from step to step. The hand would then tremble if its
-pose did not have to be near that of the step before. This condition does not change where a
-correction finally settles.
+no pose is clear, the active margins change from step to step. Nearness to the pose of the step
+before then prevents trembling. It does not change the pose at which a correction finally settles.
 
 `HandDistances` measures the distances between parts of the hand and objects. It uses MuJoCo's
 collision detection in a copy of the scene, in which the hand is always present and pushes nothing.
@@ -119,8 +118,9 @@ class CollisionAvoidance:
         # hand and in the scene.
         self._held: dict[tuple[int, ...], tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
         self._start = int(scene.qpos_slice(hand).start)
-        # The product of two normal distributions, around no correction and around the previous
-        # one, has its mean at this share of the previous correction, and a reduced variance.
+        # Two normal distributions are multiplied: one around no correction, one around the previous
+        # correction. The product's mean is this share of the previous correction, and its variance
+        # is smaller.
         self._part = 1.0 / (1.0 + STEADY * STEADY)
         self._variance = STEADY * STEADY * self._part * _variance()
         self._share = -expm1(-CONTROL_PERIOD / TAU)
@@ -578,7 +578,8 @@ class SolidLinks:
         self.fingers: frozenset[int] = frozenset()
         self._touching: frozenset[int] = frozenset()
         self._solid: frozenset[int] = frozenset()
-        # The pressing and touching fingers for which all permitted parts are solid; None before.
+        # The pressing and touching fingers once all permitted parts are solid for them; until then
+        # None.
         self._complete: tuple[frozenset[int], frozenset[int]] | None = None
         self.signature = self._mask()
 

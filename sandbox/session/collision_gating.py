@@ -307,7 +307,7 @@ class CollisionGate:
         Args:
             data: Current state of the simulation.
             reconstruction: Current reconstruction from touches or hand frames.
-            ghost: Makes every finger a ghost for any reconstruction.
+            ghost: True makes every finger a ghost, whatever the reconstruction is.
         """
         low = _LOW if self._rules.from_above else (Phase.DOWN,)
         arrived = reconstruction.phase in low and not ghost
@@ -319,7 +319,8 @@ class CollisionGate:
             target = self._commanded(reconstruction.q)
             near = np.sqrt(squared_lengths(self.tips(data) - target)) < ARRIVED
             if self._rules.from_above and staying:
-                # For example, a finger presses a key while other fingers rest on their keys.
+                # A finger may press a key before it reaches its place, while others rest on their
+                # keys.
                 near = np.full_like(near, True)
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])

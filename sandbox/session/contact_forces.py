@@ -1,9 +1,9 @@
 """Finger loads: each finger's force, the force stored by a grip, and the used servo limits.
 
 Fingers that close on an object press across its faces, and their servos also pull along the faces:
-the grip holds the object in a place where the object would not stay by itself. Both forces are
-computed from MuJoCo's contacts. The used share of the servos' limits is computed from MuJoCo's
-actuators.
+the grip holds the object in a place where the object would not stay by itself. A finger's force and
+its stored force are computed from MuJoCo's contacts. The used share of the servos' limits is
+computed from MuJoCo's actuators.
 
 The computation takes a third of a millisecond. Therefore its inputs are copied at once, and the
 loads are computed only when a caller needs them, in any thread.

@@ -22,8 +22,9 @@ MOVE_APART = "Spread your fingers"
 """Text for the person next to a finger that is inside an object."""
 
 TOLD, STRONGEST = 1.0, 70.0
-"""Forces (N) stored by a grip. Views show nothing below `TOLD`, since a resting finger also reaches
-it. At `STRONGEST`, the strongest grip tested with people, the arc around a finger is closed."""
+"""Forces (N) stored by a grip. Views show no force below `TOLD`, since a resting finger also stores
+that much. Larger forces are drawn as an arc around the finger. It is closed at `STRONGEST`, the
+strongest grip tested with people."""
 
 
 @dataclass(frozen=True)

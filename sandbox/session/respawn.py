@@ -28,8 +28,8 @@ AWAY = 0.5
 """Time (s) for which an object must be out of reach before it returns, so that the person can
 follow it."""
 GRIP = 0.005
-"""Smallest depth (m) in an object that the nearest point of the fingertips' plane must have for a
-grip. In front of an upright surface, fingertips move only in this plane."""
+"""For a grip, the point of the fingertips' plane nearest to an object's centre must be at least
+this deep (m) in the object. In front of an upright surface, fingertips move only in this plane."""
 CEILING = 0.5
 """Height (m) above a flat surface that no lifted object reaches."""
 FLOOR = -0.05

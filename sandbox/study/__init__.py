@@ -1,1 +1,1 @@
-"""User studies: plans of sessions, running them, journals that survive kills, and reports."""
+"""User studies: plans of sessions, their runs, journals that survive a crash, and reports."""

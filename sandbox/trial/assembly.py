@@ -352,7 +352,7 @@ wrong if objects pass through them (measured at db485e42)."""
 def load_encoder(name: str) -> TrainedModel:
     """The model that `--encoder` names.
 
-    The training of an encoder without a model is announced on stderr.
+    An encoder without a model is trained now, with a notice on stderr.
 
     Raises:
         InputError: No model has this name, or it cannot be used.

@@ -109,7 +109,8 @@ class KnobGrasp(Grasp):
         """Positions (fingers, 2) m of the fingertips, thumb first; see `Grasp.places`."""
         radius = self.width / 2 + _TIP_RADIUS
         angles = [self.axis + pi]
-        # The row begins with the index finger, the leftmost finger if the thumb is lower left.
+        # The row begins with the index finger. It is the leftmost finger if the thumb is at the
+        # lower left.
         angles += [self.axis - float(x) / radius for x in hand.row(self.fingers)[:, 0]]
         out = radius + gap
         return np.array(

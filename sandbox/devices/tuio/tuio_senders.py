@@ -7,7 +7,7 @@ state and frame counter, so frames of different senders are never compared.
 A source is identified by host and name. Two senders of one host may have the same name, or none;
 then their ports differ. But some libraries send every packet from another port. So a packet from a
 new port belongs to the source whose frames it continues. If it continues none, it belongs to a new
-source. If packets arrive again from the former port of a source that moved to a new port, the
+source. A source may move to a new port, and packets then arrive from its former port again. Such a
 source was two senders, and each gets its own touches back.
 
 A program that sends both versions, or over two transports, reports every finger twice. Two such
@@ -77,7 +77,7 @@ class TuioSource:
             not UDP.
         version: Version of the protocol, `1.1` or `2.0`.
         heard: Time of the last packet, s.
-        turn: Number of the source's last message among the messages of all sources.
+        turn: Serial number of its last message, counted over the messages of all sources.
         stale: True if the source has been silent for too long.
         left: True if its connection has ended.
         slot: Number of the source among those with touches; None before its first touch.
@@ -360,7 +360,7 @@ class Tuio:
             self._hear(peer, name, "1.1", None, now, commits)
         for frame in pointers:
             if frame.source is None and self._find(peer, None, "2.0", frame) is None:
-                self.statistics.unfinished += 1  # its source is unknown
+                self.statistics.unfinished += 1  # of an unknown source
                 continue
             source = self._hear(peer, frame.source, "2.0", frame, now, commits)
             self._apply_pointers(frame, source, now, commits)
@@ -591,7 +591,7 @@ class Tuio:
         self._part(source)
 
     def _part(self, source: TuioSource, heir: TuioSource | None = None) -> None:
-        """Replaces a source as the `twin` of other sources, by `heir` or by none."""
+        """Replaces a source by `heir` (or None) as the `twin` of other sources."""
         for other in self._sources:
             if other.twin is source:
                 other.twin = heir

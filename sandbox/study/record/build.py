@@ -21,7 +21,8 @@ from sandbox.study.design.design import Design
 
 
 def _with_packages_below(folder: str) -> list[str]:
-    """A folder of the program and every package below it, including later packages."""
+    """Paths of a folder of the program and of every package below it; a new package needs no
+    entry."""
     root = program_root()
     below = (path.parent for path in (root / folder).rglob("__init__.py"))
     return sorted(path.relative_to(root).as_posix() for path in below)
