@@ -165,6 +165,27 @@ def test_a_palm_is_cancelled_and_what_hovers_is_no_touch() -> None:
     assert (hovering.contacts, hovering.cancelled) == ((), frozenset())
 
 
+@pytest.mark.parametrize(
+    ("major", "minor", "known"),
+    [
+        *((160, 0, True), (2400, 0, True), (1600, 300, True), (10, 0, False), (3100, 0, False)),
+        *((60_000, 160, False), (160, 1, False), (2000, 150, False), (2**31 - 1, 1, False)),
+    ],
+)
+def test_a_size_that_no_finger_has_is_unknown_and_counted(
+    major: int, minor: int, known: bool
+) -> None:
+    kernel = KernelSlots()
+    kernel.set(0, ABS_MT_TOUCH_MAJOR, major)
+    kernel.set(0, ABS_MT_TOUCH_MINOR, minor)
+    kernel.show({1: (100, 100)})
+    device = opened(kernel)
+    (contact,) = device.poll()[0].contacts
+    # Without a resolution of its own, a diameter is in units of x, here 20 per mm.
+    assert contact.size == (pytest.approx(major / 20_000) if known else None)
+    assert (contact.extent is None, bool(device.report.left_out)) == (not known, not known)
+
+
 MOUNTED = {0: (0.1, 0.2), 90: (0.8, 0.1), 180: (0.9, 0.8), 270: (0.2, 0.9)}
 """Where a touch at 0.1, 0.2 of a panel is on the surface, by degrees clockwise."""
 

@@ -75,6 +75,11 @@ def test_frames_come_back_as_they_were(tmp_path_factory: object, frames: list[To
             assert a.extent == (b.extent and pytest.approx(b.extent))
 
 
+@pytest.mark.parametrize("size", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_size_that_is_no_length_is_unknown(size: float) -> None:
+    assert Contact(1, 0.05, 0.05, size).size is None
+
+
 GOOD = [json.dumps(frame_record(TouchFrame(n / 8, (Contact(1, 0.1, 0.1),)))) for n in range(4)]
 DAMAGE = [
     GOOD[2][:30],

@@ -49,6 +49,7 @@ def from_ports(table: Table, packets: Sequence[bytes], transport: str = "") -> l
         frames += table.feed(packet, peer=peer)
         if transport:
             table.tuio.disconnect(peer, table.now)
+            assert table.wait(0.1) == []
     return frames
 
 
@@ -114,6 +115,13 @@ def test_two_senders_of_one_host_stay_two(
         assert sorted(both.values()) == [A, B], shown
     (one,) = table.feed(frame(counters[0] + 9, {}, source=names[0]), peer=peers[0])
     assert list(one.values()) == [B]
+
+
+def test_two_hosts_with_the_same_port_are_two_senders() -> None:
+    table = Table()
+    table.feed(frame(1, {1: A}), peer="192.0.2.5:1000")
+    (both,) = table.feed(frame(2, {1: B}), peer="192.0.2.6:1000")
+    assert sorted(both.values()) == [A, B]
 
 
 def test_a_sender_with_many_ports_and_one_with_its_own_stay_two() -> None:
