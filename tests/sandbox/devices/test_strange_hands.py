@@ -147,6 +147,11 @@ def shares(messages: Messages) -> Messages:
     return messages
 
 
+def test_landmarks_in_shares_of_the_picture_are_those_in_pixels(tmp_path: Path) -> None:
+    read = read_pictures(as_lines(tmp_path, shares(pictures())))
+    assert same(read, read_pictures(as_lines(tmp_path, pictures())))
+
+
 def test_a_given_unit_is_used_and_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

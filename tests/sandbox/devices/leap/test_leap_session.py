@@ -142,6 +142,17 @@ def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path) 
         np.testing.assert_array_equal(rebuilt.step(frame).q, direct.step(frame).q)
 
 
+def test_the_position_of_the_device_moves_the_hand_and_changes_nothing_else() -> None:
+    poses = []
+    for at in (UNDER, (0.1, -0.2, 0.3)):
+        found = HandInput(at).reconstructor(Person(), Surface(), RateLimit())
+        poses.append(np.array([found.step(frame).q for frame in take(2).frames[:60]]))
+    one, other = poses
+    shift = np.tile(np.subtract((0.1, -0.2, 0.3), UNDER), (60, 1))
+    np.testing.assert_allclose(other[:, :3] - one[:, :3], shift, atol=1e-12)
+    np.testing.assert_array_equal(other[:, 3:], one[:, 3:])
+
+
 def test_no_fingertip_is_commanded_below_the_table() -> None:
     low = HandInput((0.0, 0.0, -0.25)).reconstructor(Person(), Surface(), RateLimit(1e9, 1e9))
     kinematics = Kinematics(ADULT)

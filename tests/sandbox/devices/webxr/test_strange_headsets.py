@@ -65,6 +65,11 @@ def as_both_sides(n: int, message: dict[str, Any]) -> None:
     message["hands"].append({**message["hands"][0], "side": "left"})
 
 
+def far_joint(n: int, message: dict[str, Any]) -> None:
+    if n >= 40:
+        message["hands"][0]["joints"][8] = [0.0, 0.0, 5.0]
+
+
 REPORTS: dict[str, tuple[Change, Callable[[int], bool], str]] = {
     "a hand as it should be": (lambda n, message: None, lambda n: True, ""),
     # The idle hand at the origin, or at the head, for a moment: pmndrs/xr 273, WiVRn 385.
@@ -84,6 +89,11 @@ REPORTS: dict[str, tuple[Change, Callable[[int], bool], str]] = {
         as_both_sides,
         lambda n: True,
         f"left out: {FRAMES} hands that lie on another one",
+    ),
+    "a joint that is five metres away": (
+        far_joint,
+        lambda n: True,
+        f"left out: {FRAMES - 40} hands without a finger",
     ),
     # Hands that are turned inside out after they were lost: three.js 31634.
     "bent fingers of the other side": (
