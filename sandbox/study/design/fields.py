@@ -189,7 +189,7 @@ _TABLES: dict[str, tuple[Field, ...]] = {
         Field(
             "setting",
             STRING,
-            "the setting whose values the levels are; without it, the setting called `name`",
+            "the setting whose values are the levels; by default the one with the factor's name",
             "",
         ),
         Field("order", CHOICE, "order of the levels", "blocked", options=ORDERS),
@@ -225,7 +225,7 @@ _TABLES: dict[str, tuple[Field, ...]] = {
         Field(
             "practice",
             WHOLE,
-            "number of practice trials each time, which the report leaves out",
+            "number of trials in each practice; the report leaves them out",
             0,
             low=0,
             high=100,
@@ -286,7 +286,7 @@ _TABLES: dict[str, tuple[Field, ...]] = {
     ),
     "instructions": (
         _AT,
-        Field("level", STRING, "a level of the factor: it comes before this level only", ""),
+        Field("level", STRING, "a level of the factor: the text comes before this level only", ""),
         Field("text", TEXT, "the text"),
         _SESSIONS,
     ),
@@ -305,7 +305,7 @@ _TABLES: dict[str, tuple[Field, ...]] = {
             {},
         ),
         Field("scales", TABLES, "the scores; the report tests the first one", ()),
-        Field("wording", CHOICE, "where its wording comes from", "own", options=WORDINGS),
+        Field("wording", CHOICE, "source of the wording", "own", options=WORDINGS),
         Field(
             "schema",
             WHOLE,
