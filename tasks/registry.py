@@ -30,14 +30,14 @@ TASKS: Registry[type[Task]] = Registry(
         "stack-three": "tasks.stack:StackThree",
         "stack-vertical": "tasks.stack:StackVertical",
         "carry-together": "tasks.carry_together:CarryTogether",
-        "slalom": "tasks.clutter.slalom:Slalom",
-        "chords": "tasks.mechanisms.chords:Chords",
-        "dial": "tasks.mechanisms.dial:Dial",
-        "gather": "tasks.clutter.gather:Gather",
-        "books": "tasks.clutter.books:Books",
-        "insert": "tasks.mechanisms.insert:Insert",
-        "close-case": "tasks.mechanisms.close_case:CloseCase",
-        "single-keys": "tasks.mechanisms.single_keys:SingleKeys",
+        "slalom": "tasks.slalom:Slalom",
+        "chords": "tasks.chords:Chords",
+        "dial": "tasks.dial:Dial",
+        "gather": "tasks.gather:Gather",
+        "books": "tasks.books:Books",
+        "insert": "tasks.insert:Insert",
+        "close-case": "tasks.close_case:CloseCase",
+        "single-keys": "tasks.single_keys:SingleKeys",
     }
 )
 """Built-in tasks. To add one, write its module and add a line here."""

@@ -23,8 +23,6 @@ ROOMS = (
     "encoders/air/*.py",
     "tasks/*.py",
     "tasks/simulated_user/*.py",
-    "tasks/clutter/*.py",
-    "tasks/mechanisms/*.py",
     "sandbox/devices/*.py",
     "sandbox/devices/simulated/*.py",
     "sandbox/devices/simulated/*/*.py",

@@ -11,9 +11,9 @@ from models.arithmetic import Array
 from models.objects import Cylinder
 from models.rotations import exp, matrix_to_quaternion
 from models.surface import Surface
-from tasks.clutter.books import BOOK, GAP, MOVED, Books
-from tasks.clutter.gather import EDGE, RADIUS, Gather
-from tasks.clutter.slalom import FALLEN, OPENING, PIN_RADIUS, Slalom
+from tasks.books import BOOK, GAP, MOVED, Books
+from tasks.gather import EDGE, RADIUS, Gather
+from tasks.slalom import FALLEN, OPENING, PIN_RADIUS, Slalom
 from tasks.task import Task
 from tasks.variation import Variation, vary
 from tests.support.task_scene import TaskScene

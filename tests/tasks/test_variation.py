@@ -34,7 +34,7 @@ from sandbox.trial.driver import open_trial
 from sandbox.trial.settings import encoded
 from sandbox.trial.trial_options import TrialOptions, parse_variation, trial_settings
 from tasks.box_to_goal import BoxToGoal
-from tasks.mechanisms.close_case import HEIGHT
+from tasks.close_case import HEIGHT
 from tasks.stack import Stack, StackThree
 from tasks.task import Task, place, place_surface
 from tasks.variation import RANGES, Variation, vary

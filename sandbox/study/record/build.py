@@ -41,8 +41,6 @@ COMPUTES = (
     "encoders/reconstruction",
     "encoders/regression",
     "tasks",
-    "tasks/clutter",
-    "tasks/mechanisms",
     "tasks/simulated_user",
     *_with_packages_below("sandbox/devices"),
     "sandbox/hand",

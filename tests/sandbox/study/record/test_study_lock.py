@@ -33,8 +33,7 @@ from tests.support.study_files import DESIGN, design, open_study, quiet, rows_of
 
 BEGIN = (
     "sandbox/trial",
-    "tasks/clutter",
-    "tasks/mechanisms",
+    "tasks",
     "sandbox/session",
     "sandbox/recording",
     "sandbox/devices",
@@ -86,7 +85,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("file", "noticed"),
     [
         ("models/hand.xml", True),
-        ("tasks/clutter/slalom.py", True),
+        ("tasks/slalom.py", True),
         ("sandbox/study/tables/frame_table.py", True),
         ("sandbox/server/page_server.py", False),
         ("sandbox/study/report/make.py", False),

@@ -15,10 +15,10 @@ from models.surface import Surface
 from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
+from tasks.chords import KEYS, key_name
 from tasks.guarded import draw_task
-from tasks.mechanisms.chords import KEYS, key_name
-from tasks.mechanisms.single_keys import SingleKeys
 from tasks.sensing import Sensing
+from tasks.single_keys import SingleKeys
 from tasks.task import place_surface
 
 SURFACE = place_surface(Surface(), SingleKeys)

@@ -19,7 +19,7 @@ from models.arithmetic import Array
 from models.frames import FINGERS
 from models.message import Message
 from models.surface import Surface
-from tasks.mechanisms.chords import (
+from tasks.chords import (
     AGAIN,
     KEYS,
     POINT,

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
-from tasks.mechanisms.insert import (
+from tasks.insert import (
     BEFORE,
     BORDER,
     CLEARANCE,

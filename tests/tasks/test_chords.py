@@ -19,9 +19,8 @@ from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.trial.driver import play_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tasks.guarded import draw_task
-from tasks.mechanisms import chords
-from tasks.mechanisms.chords import (
+from tasks import chords
+from tasks.chords import (
     DIP,
     HEAVIEST,
     KEYS,
@@ -31,6 +30,7 @@ from tasks.mechanisms.chords import (
     Chords,
     key_name,
 )
+from tasks.guarded import draw_task
 from tasks.sensing import Sensing
 from tasks.task import Measure, place_surface
 from tasks.variation import Variation, vary

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from models.surface import Surface
 from sandbox.trial.driver import open_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tasks.mechanisms.close_case import BORDER, CAP, CASE, GRIP, HELD, SEAM, TRAVEL, CloseCase
+from tasks.close_case import BORDER, CAP, CASE, GRIP, HELD, SEAM, TRAVEL, CloseCase
 from tasks.task import Measure
 from tests.support.simulation import run
 from tests.support.task_scene import TaskScene

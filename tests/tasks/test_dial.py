@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from tasks.mechanisms.dial import (
+from tasks.dial import (
     BORDER,
     KNOB,
     SWEEP,
