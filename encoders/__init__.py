@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
-    from encoders.capture import Capture
+    from encoders.capture import Capture, load_capture, save_capture
     from encoders.encoder import Encoder
     from encoders.encoder_checks import check_encoder
     from encoders.input_vector import contact_vector
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from encoders.regression.polynomial import CubicEncoder, LinearEncoder, QuadraticEncoder
     from encoders.regression.trained import TrainedModel, builtin, builtin_capture, load_model
     from encoders.regression.training import save_model, train
-    from encoders.store import load_capture, save_capture
 else:
     __getattr__ = lazy_names(
         __name__,
@@ -35,9 +34,9 @@ else:
             "builtin_capture": "encoders.regression.trained",
             "check_encoder": "encoders.encoder_checks",
             "contact_vector": "encoders.input_vector",
-            "load_capture": "encoders.store",
+            "load_capture": "encoders.capture",
             "load_model": "encoders.regression.trained",
-            "save_capture": "encoders.store",
+            "save_capture": "encoders.capture",
             "save_model": "encoders.regression.training",
             "train": "encoders.regression.training",
         },

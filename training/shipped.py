@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.capture import load_capture
 from encoders.labels.belief import load_population_belief
 from encoders.labels.labelling import true_row
 from encoders.regression.trained import TrainedModel, load_model
-from encoders.store import load_capture
 from models.arithmetic import Array
 from models.skin.skin import dense
 from training.population import Population
@@ -252,16 +252,16 @@ class ShippedFile:
 
 
 def _make_capture(out: Path, inputs: Inputs) -> None:
+    from encoders.capture import save_capture
     from encoders.captures.subject import FROZEN, SEED, simulate
-    from encoders.store import save_capture
 
     save_capture(simulate(FROZEN, SEED, 0, inputs.progress), out, np.float32)
 
 
 def _make_polynomial(name: str, out: Path, inputs: Inputs) -> None:
+    from encoders.capture import load_capture
     from encoders.regression.trained import POLYNOMIALS
     from encoders.regression.training import save_model, train
-    from encoders.store import load_capture
 
     # The capture is read from its file, which has single precision.
     capture = load_capture(FILES["capture"].file)

@@ -18,8 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from encoders.air.bounded_step import bounded_step, stepped
-from encoders.air.landmark_fit import turn_between
+from encoders.air.landmark_fit import bounded_step, stepped, turn_between
 from models.arithmetic import (
     Array,
     Mask,

@@ -26,13 +26,12 @@ import numpy as np
 from msgspec import Struct, field
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.capture import Capture
+from encoders.capture import Capture, load_capture
 from encoders.correction import PAD_HEIGHT, tip_targets
 from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
 from encoders.regression.trained import TrainedModel
 from encoders.regression.yaw_normalised import turned_root, yaw_of
-from encoders.store import load_capture
 from models.arithmetic import Array, matrix_product, matrix_vector, solve_positive, squared_lengths
 from models.errors import EncoderError, InputError
 from models.frames import FINGERS

@@ -404,7 +404,7 @@ def skeleton_of(anchors: Array, lengths: Array) -> Skeleton:
 @cache
 def builtin_capture() -> Capture:
     """Capture of the simulated subject, on which the models in `BUILTIN` are trained."""
-    from encoders.store import load_capture
+    from encoders.capture import load_capture
 
     return load_capture(builtin_folder() / "capture.npz")
 

@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 
+from encoders.capture import save_capture
 from encoders.captures.subject import FROZEN, SEED, simulate
-from encoders.store import save_capture
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 

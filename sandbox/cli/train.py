@@ -12,12 +12,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 
-from encoders.capture import Capture
+from encoders.capture import Capture, load_capture
 from encoders.evaluation.person_model import train_person
 from encoders.regression.encoder_registry import find_encoder
 from encoders.regression.trained import TrainedModel, builtin_capture
 from encoders.regression.training import save_model, train, train_encoder
-from encoders.store import load_capture
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing

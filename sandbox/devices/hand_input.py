@@ -65,7 +65,7 @@ class HandInput:
     ) -> AirReconstructor:
         """Makes the reconstructor for the device; arguments and errors as for `reconstructor`."""
         if self.joints:
-            from encoders.air.joint_reconstructor import JointReconstructor, following
+            from encoders.air.reconstructors import JointReconstructor, following
 
             _check_seat(person, surface)
             return JointReconstructor(
@@ -73,7 +73,7 @@ class HandInput:
             )
         if self.camera is None:
             return self.reconstructor(person, surface, rate)
-        from encoders.air.landmark_reconstructor import LandmarkReconstructor
+        from encoders.air.reconstructors import LandmarkReconstructor
         from encoders.reconstruction.followed_hand import FollowingSettings
 
         _check_seat(person, surface)

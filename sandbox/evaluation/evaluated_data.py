@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import Progress
 
-from encoders.capture import Capture
+from encoders.capture import Capture, load_capture
 from encoders.evaluation.methods import Training
 from encoders.evaluation.subjects import TRAINING_DAY, Subject
 from encoders.regression.trained import builtin_capture, load_model
-from encoders.store import load_capture
 from encoders.validation import trial_folds
 from models.errors import CaptureError, InputError
 from models.frames import FINGERS

@@ -20,11 +20,10 @@ import numpy as np
 from msgspec import Struct
 
 from encoders.air.camera import Camera
-from encoders.air.landmark_reconstructor import WITHOUT, LandmarkReconstructor
-from encoders.capture import Capture
+from encoders.air.reconstructors import WITHOUT, LandmarkReconstructor
+from encoders.capture import Capture, load_capture
 from encoders.reconstruction.followed_hand import FollowingSettings
 from encoders.reconstruction.hand_motion import RateLimit
-from encoders.store import load_capture
 from models.arithmetic import Array
 from models.errors import InputError, RecordingError
 from models.frames import SIDES

@@ -7,8 +7,7 @@ from collections.abc import Callable
 import msgspec
 from rich.console import Console
 
-from encoders.air.joint_reconstructor import JointReconstructor
-from encoders.air.landmark_reconstructor import LandmarkReconstructor
+from encoders.air.reconstructors import JointReconstructor, LandmarkReconstructor
 from encoders.paalm.hand_reconstructor import HandReconstructor
 from models.errors import DeviceError, InputError
 from models.message import Message

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from encoders.capture import Capture
-from encoders.store import load_capture, save_capture
+from encoders.capture import Capture, load_capture, save_capture
 from models.arithmetic import Array
 from models.errors import CaptureError
 from tests.support.npz_files import header_of, rewritten

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from encoders import check_encoder
-from encoders.capture import Capture
+from encoders.capture import Capture, save_capture
 from encoders.encoder import Encoder
 from encoders.regression.encoder_registry import (
     ENCODERS,
@@ -24,7 +24,6 @@ from encoders.regression.encoder_registry import (
 from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
 from encoders.regression.trained import builtin_capture, load_model
 from encoders.regression.training import save_model, train_encoder
-from encoders.store import save_capture
 from models.arithmetic import Array
 from models.errors import EncoderError, RecordingError
 from sandbox.cli.main import main

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from encoders.capture import save_capture
 from encoders.labels.belief import builtin_population_model, from_weights
 from encoders.regression.trained import builtin, builtin_capture
 from encoders.regression.training import save_model, train
-from encoders.store import save_capture
 from training.cli.main import COMMANDS, main
 from training.population import Population, save_population, simulate_population
 from training.shipped import FILES, ROOT, compared

@@ -15,13 +15,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.capture import Capture
+from encoders.capture import Capture, load_capture
 from encoders.captures import subject as first
 from encoders.captures.subject.gestures import smooth_noise, strokes
 from encoders.captures.subject.subject import FREEDOMS, PostureSolver, anatomy
 from encoders.regression.polynomial import CubicEncoder
 from encoders.regression.trained import builtin_capture
-from encoders.store import load_capture
 from models.errors import InputError
 from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE, violations

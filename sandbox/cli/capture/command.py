@@ -17,7 +17,7 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from encoders.capture import Capture
+from encoders.capture import Capture, save_capture
 from encoders.captures.conversion import (
     ConversionReport,
     ConversionRules,
@@ -26,7 +26,6 @@ from encoders.captures.conversion import (
     capture_from_touches,
 )
 from encoders.captures.conversion.hand_files import read_hand, read_mapping
-from encoders.store import save_capture
 from models.errors import InputError, unknown_name
 from models.surface import Surface, parse_surface
 from sandbox.cli.common.command_line import parse

@@ -12,9 +12,9 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
+from encoders.capture import save_capture
 from encoders.captures.overhead.simulated_camera import OverheadPictures, simulate_overhead
 from encoders.captures.paired.simulated_pair import PairedSession, simulate_paired
-from encoders.store import save_capture
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.devices.files.paired_capture import PairedCaptureWriter, check_new

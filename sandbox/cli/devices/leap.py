@@ -14,10 +14,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from encoders.capture import load_capture
 from encoders.paalm.simulated.air import AirTake, simulate_air, takes_of_capture
 from encoders.paalm.simulated.air import turned as turned_take
 from encoders.paalm.simulated.forward import leap_take
-from encoders.store import load_capture
 from models.arithmetic import Array
 from models.errors import InputError
 from models.rotations import exp

@@ -1,20 +1,36 @@
-"""Hands from the messages of a headset's page: 25 joints (WebXR), or a controller."""
+"""Hands from the messages of a headset's page: 25 joints (WebXR), or a controller.
+
+A controller's grip places the palm, and its trigger closes a pinch.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
-from math import dist, sqrt
+from math import cos, dist, radians, sin, sqrt
 
 import numpy as np
 
-from encoders.air.joint_fit import KNUCKLES, THUMB, TIPS, WRIST
-from models.arithmetic import total
+from encoders.air.joint_fit import (
+    KNUCKLES,
+    THUMB,
+    TIPS,
+    WRIST,
+    JointFit,
+    JointFitSettings,
+    JointPoints,
+)
+from encoders.air.joint_fit import PALM as PALM_POINTS
+from encoders.paalm.hand_pose import PALM_CENTRE
+from models.arithmetic import Array, small_product, total
 from models.errors import FrameError
 from models.frames import TrackedFinger, TrackedHand, Vector
 from models.plausible import DISTANCE, FINGER_AT_ONCE, PALM, PALM_AT_ONCE, Bounds
-from sandbox.devices.webxr.controller import controller_points
+from models.pose import POSE_SIZE
+from models.rotations import quaternion_to_matrix
+from models.skeleton import ADULT
 from sandbox.server.protocol import JOINTS_OF_A_HAND, HeldController, SeenJoints
 
 Places = tuple[Vector | None, ...]
@@ -111,6 +127,63 @@ def held_hand(held: HeldController) -> TrackedHand:
 
 _UNIT = 1e-3
 """Tolerance for the length of a unit quaternion."""
+_CENTRE = np.array([-0.038, 0.047, -0.055]) + PALM_CENTRE
+"""Point (3,) m in the hand's frame, at which the tips meet."""
+_AXIS = radians(52.0)
+"""Direction (rad from x, in the palm's plane) from the thumb's tip to the fingertips. The resting
+thumb of `models.skeleton` faces in this direction."""
+_PITCH = 0.019
+"""Distance (m) between the tips of index and middle finger."""
+_OPEN, _CLOSED = 0.085, 0.010
+"""Distance (m) between the centre of the thumb's tip and the middle between the fingertips."""
+_BENT = JointFitSettings(free=25.0, steps=40)
+"""Settings of the fit. Joints that the tips do not determine stay near the middle of their
+ranges."""
+_GRIP = {
+    "right": np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]),
+    "left": np.array([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]),
+}
+"""Matrix from the frame of a right hand to the frame of a grip; the matrix of a left grip also
+mirrors. WebXR's grip: x points out of the back of a right hand and into the back of a left hand, -z
+towards the thumb of a closed hand. The fingers of an open hand then point along -y."""
+
+
+def controller_points(side: str, trigger: float, position: Array, quaternion: Array) -> Array:
+    """(20, 3) m, points of the hand around a controller, in the frame in which its grip is given.
+
+    Controllers do not sense fingers. The points are those of an average hand between an open and a
+    closed pinch of thumb, index and middle finger, according to the trigger.
+
+    Args:
+        side: `right` or `left`.
+        trigger: 0 (open) to 1 (closed).
+        position: (3,) m of the grip.
+        quaternion: (4,) w, x, y, z of the grip.
+    """
+    opened, closed = _pinching(_OPEN), _pinching(_CLOSED)
+    q = opened + trigger * (closed - opened)
+    own = JointPoints(ADULT).points(q) - PALM_CENTRE
+    turned = small_product(own, small_product(quaternion_to_matrix(quaternion), _GRIP[side]).T)
+    return position + turned
+
+
+@cache
+def _pinching(gap: float) -> Array:
+    """The pose (48,) of a hand that pinches with a gap (m) between thumb and fingers."""
+    points = JointPoints(ADULT).points(np.zeros(POSE_SIZE))
+    wanted = np.full(points.shape, np.nan)
+    wanted[list(PALM_POINTS)] = points[list(PALM_POINTS)]
+    # Ring and little finger stay at rest.
+    for place in (*range(KNUCKLES[2], TIPS), TIPS + 3, TIPS + 4):
+        wanted[place] = points[place]
+    axis = np.array([cos(_AXIS), sin(_AXIS), 0.0])
+    beside = 0.5 * _PITCH * np.array([sin(_AXIS), -cos(_AXIS), 0.0])
+    wanted[TIPS] = _CENTRE - 0.5 * gap * axis
+    wanted[TIPS + 1] = _CENTRE + 0.5 * gap * axis - beside
+    wanted[TIPS + 2] = _CENTRE + 0.5 * gap * axis + beside
+    fit = JointFit(ADULT, _BENT).fit(wanted)
+    assert fit is not None
+    return fit.pose
 
 
 def _hand(side: str, joints: Places) -> TrackedHand | None:

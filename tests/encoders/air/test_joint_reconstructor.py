@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.air.joint_fit import TIPS
-from encoders.air.joint_reconstructor import JointReconstructor
+from encoders.air.reconstructors import JointReconstructor
 from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.frames import HandFrame, TrackedHand

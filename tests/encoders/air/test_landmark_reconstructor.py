@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from encoders.air.camera import Camera
-from encoders.air.landmark_reconstructor import LandmarkReconstructor
+from encoders.air.reconstructors import LandmarkReconstructor
 from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.frames import LandmarkFrame, SeenHand

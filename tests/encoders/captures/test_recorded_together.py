@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from encoders.capture import Capture
+from encoders.capture import Capture, load_capture
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.captures.paired.capture_from_hands import capture_from_hands
 from encoders.captures.paired.guide import SETS, Guide
@@ -19,7 +19,6 @@ from encoders.captures.paired.hand_track import open_hand, skeleton_of
 from encoders.captures.paired.registration import register
 from encoders.captures.paired.simulated_pair import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.correction import tip_targets
-from encoders.store import load_capture
 from models.errors import CaptureError, EncoderError, RecordingError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from encoders.store import load_capture
+from encoders.capture import load_capture
 from models.arithmetic import Array
 from models.pose import ROOT_POSITION
 

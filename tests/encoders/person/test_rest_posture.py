@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from encoders.capture import Capture
+from encoders.capture import Capture, save_capture
 from encoders.correction import PAD_HEIGHT
 from encoders.person.rest_posture import (
     MOST,
@@ -22,7 +22,6 @@ from encoders.person.rest_posture import (
     save_rest,
 )
 from encoders.regression.trained import TrainedModel, builtin
-from encoders.store import save_capture
 from models.arithmetic import Array
 from models.errors import EncoderError, InputError
 from models.kinematics import Kinematics

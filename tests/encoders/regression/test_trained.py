@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from encoders.capture import Capture
+from encoders.capture import Capture, save_capture
 from encoders.evaluation.person_model import train_person
 from encoders.regression.bone_fit import perturbed_skeleton
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
@@ -24,7 +24,6 @@ from encoders.regression.trained import (
 )
 from encoders.regression.training import rounded, save_model, train
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
-from encoders.store import save_capture
 from models.errors import EncoderError
 from models.pose import absolute_pose
 from models.skeleton import ADULT

@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.capture import Capture
-from encoders.store import load_capture
+from encoders.capture import Capture, load_capture
 from models.errors import InputError, MotionError
 from models.frames import Contact, TouchFrame
 from models.motion.asf import AmcWriter

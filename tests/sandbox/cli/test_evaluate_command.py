@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from encoders.capture import Capture
+from encoders.capture import Capture, load_capture, save_capture
 from encoders.evaluation import methods
 from encoders.regression.trained import TrainedModel, builtin_capture
 from encoders.regression.training import save_model, train
-from encoders.store import load_capture, save_capture
 from sandbox.cli.main import main
 
 PICTURES = ("table-1", "table-2", "by-fingers", "pca-variance", "figure-2")

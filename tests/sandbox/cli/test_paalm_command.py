@@ -151,8 +151,8 @@ def test_a_capture_becomes_leap_recordings(
 ) -> None:
     import numpy as np
 
+    from encoders.capture import save_capture
     from encoders.regression.trained import builtin_capture
-    from encoders.store import save_capture
 
     whole = builtin_capture()
     trials = np.unique(whole.trial)[:2]

@@ -11,8 +11,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from encoders.capture import Capture
-from encoders.store import save_capture
+from encoders.capture import Capture, save_capture
 from models.arithmetic import Array
 from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.bvh import BvhWriter, read_bvh

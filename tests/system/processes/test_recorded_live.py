@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from encoders.capture import load_capture
 from encoders.captures.paired.simulated_pair import FROZEN_PAIRED, PairedSession, simulate_paired
-from encoders.store import load_capture
 from sandbox.cli.capture import record
 from sandbox.cli.capture.simulate import write_simulated
 from sandbox.cli.main import main

@@ -18,7 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 from encoders.air.joint_fit import TIPS
 from models.frames import HandFrame
 from sandbox.cli.main import main
-from sandbox.devices.webxr.controller import controller_points
+from sandbox.devices.webxr.joints import controller_points
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.play.pages import show_session, touched_pages
 from sandbox.recording.recording import load_recording
