@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from models.errors import DeviceError, HandSandboxError, InputError
     from models.frames import FINGERS, Contact, HandFrame, TouchFrame
     from models.kinematics import Kinematics
-    from models.mechanisms.mechanism import Mechanism
+    from models.mechanism import Mechanism
     from models.mjcf_object import MjcfObject
     from models.objects import Box, Wrench
     from models.skeleton import ADULT, Skeleton
@@ -50,7 +50,7 @@ else:
             "HandSandboxError": "models.errors",
             "InputError": "models.errors",
             "Kinematics": "models.kinematics",
-            "Mechanism": "models.mechanisms.mechanism",
+            "Mechanism": "models.mechanism",
             "MjcfObject": "models.mjcf_object",
             "Skeleton": "models.skeleton",
             "Surface": "models.surface",

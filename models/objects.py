@@ -110,7 +110,7 @@ class Joint:
 class MechanismPart(ABC):
     """Contract of an object that is one body of a mechanism, in addition to that of `SceneObject`.
 
-    Built by `models.mechanisms.mechanism`.
+    Built by `models.mechanism`.
     """
 
     @property

@@ -21,7 +21,7 @@ import numpy as np
 from models.arithmetic import Array, length
 from models.errors import SurfaceTooSmallError
 from models.frames import FINGERS, TouchFrame
-from models.mechanisms.mechanism import Mechanism
+from models.mechanism import Mechanism
 from models.message import Message
 from models.objects import MechanismPart, SceneObject
 from models.surface import Surface

@@ -15,7 +15,7 @@ import numpy as np
 
 from models.arithmetic import Array
 from models.errors import SurfaceTooSmallError
-from models.mechanisms.mechanism import Mechanism, Part
+from models.mechanism import Mechanism, Part
 from models.message import Message
 from models.objects import SceneObject
 from models.surface import Surface

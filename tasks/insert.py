@@ -14,7 +14,7 @@ import numpy as np
 
 from models.arithmetic import Array, length, small_product
 from models.errors import SurfaceTooSmallError
-from models.mechanisms.mechanism import Mechanism, Part
+from models.mechanism import Mechanism, Part
 from models.message import Message
 from models.objects import Box
 from models.surface import Surface

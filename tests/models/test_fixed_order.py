@@ -12,7 +12,6 @@ ROOT = Path(__file__).resolve().parents[2]
 
 ROOMS = (
     "models/*.py",
-    "models/mechanisms/*.py",
     "models/robot/*.py",
     "encoders/*.py",
     "encoders/labels/*.py",

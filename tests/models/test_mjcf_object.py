@@ -20,7 +20,7 @@ from hypothesis.extra import numpy as hnp
 from models.arithmetic import Array
 from models.errors import InputError
 from models.hand import Hand
-from models.mechanisms.mechanism import Mechanism
+from models.mechanism import Mechanism
 from models.mjcf_object import MjcfObject, described_files
 from models.objects import mjcf_text
 from models.scene import Scene, SceneSpec

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from benchmarks.pinch import pinch_poses
 from models.errors import SceneError
 from models.hand import CONTACT_HAND, SERVOS, Hand
-from models.mechanisms.mechanism import Mechanism
+from models.mechanism import Mechanism
 from models.objects import Box, Cylinder, SceneObject, Tray, Wrench
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.errors import InputError, RecordingError
-from models.mechanisms.mechanism import Mechanism
+from models.mechanism import Mechanism
 from models.objects import Box, Wrench
 from models.scene import PaintedRing
 from models.surface import Surface

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
-from models.mechanisms.mechanism import Part
+from models.mechanism import Part
 from models.objects import Wrench
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface

@@ -13,15 +13,15 @@ from encoders.evaluation.person_model import PersonEstimate, estimated
 from encoders.labels.belief import builtin_population_belief
 from encoders.regression.trained import builtin
 from training.cli.main import main
-from training.population import save_population, simulate_population
-from training.pose import at_trained_size
-from training.strangers import (
+from training.cli.strangers import (
     StrangerResult,
     calibration_error,
     judge_stranger,
     reliability,
     summary,
 )
+from training.population import save_population, simulate_population
+from training.pose import at_trained_size
 
 
 def result(right: list[bool], claimed: list[float], error: float = 1.0) -> StrangerResult:

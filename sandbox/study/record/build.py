@@ -30,7 +30,6 @@ def _with_packages_below(folder: str) -> list[str]:
 
 COMPUTES = (
     "models",
-    "models/mechanisms",
     "models/robot",
     "encoders",
     "encoders/air",

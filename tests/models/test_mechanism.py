@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from models.errors import InputError
 from models.hand import Hand
-from models.mechanisms.mechanism import Mechanism
+from models.mechanism import Mechanism
 from models.objects import Box
 from models.scene import Scene, SceneSpec
 from tasks.sensing import Sensing

@@ -1,1 +1,0 @@
-"""Mechanisms: bodies that are joined by hinges and slides, described in MJCF."""
