@@ -114,7 +114,7 @@ class LandmarkReconstructor(AirReconstructor):
         """
         own = [h for h in frame.hands if h.side == self.side]
         if len(own) > 1:
-            self.counts["hands beside the one of their side"] += len(own) - 1
+            self.counts["further hands of the same side"] += len(own) - 1
         if frame.hands and self._seen_lately(frame) and not any(map(self._is_near, own)):
             nearest = min(frame.hands, key=self._off)
             if self._is_near(nearest):

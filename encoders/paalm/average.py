@@ -99,8 +99,8 @@ def with_reported_coupling(
     """The calibration, with the coupling fitted to the joints that the device reports.
 
     The coupling of a person's joints, and of a device's model of them, differs from the coupling of
-    the dialect. The calibration has no fitted coupling if the fingers hardly bend, and is returned
-    unchanged if the device reports no joints.
+    the dialect. If the fingers hardly bend, the calibration has no fitted coupling. If the device
+    reports no joints, the calibration is returned unchanged.
     """
     joints = _joints(frames, calibration.side)
     return (

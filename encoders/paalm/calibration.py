@@ -47,9 +47,9 @@ share of the standard length above which the whole finger counts as seen."""
 _HOLD_OPEN = "Hold the hand open, palm down, fingers spread, 20 cm above the device"
 
 _OUTLIER = 3.0
-"""A length is an outlier from twice this number of robust standard deviations away from the median.
-A robust standard deviation is 1.4826 median deviations, but at least 2 mm. A length less than 12 mm
-from the median is therefore never an outlier."""
+"""A length is an outlier if it is twice this number of robust standard deviations or more from the
+median. A robust standard deviation is 1.4826 median deviations, but at least 2 mm. A length less
+than 12 mm from the median is therefore never an outlier."""
 
 
 @dataclass(frozen=True)

@@ -59,12 +59,12 @@ _JUMP = 0.015
 """Largest step (m) of a tip; after a larger step, the same id may belong to another finger."""
 _SAME_ID = 16.0
 """Reduction of the cost of a label if the finger has the same id as before. It is finite, since
-devices swap ids. The unit of costs is half of a squared deviation in standard deviations."""
+devices swap ids. A deviation of s standard deviations costs s^2 / 2."""
 _ABREAST = 0.012
 """Distance (m) across the palm by which two fingertips may be in the wrong order."""
 _CROSSED = 100.0
-"""Cost of two fingertips that are in the wrong order by more than this distance. It exceeds all
-other evidence about both fingers."""
+"""Cost of two fingertips that are in the wrong order by more than `_ABREAST`. It exceeds all other
+evidence about both fingers."""
 _TOO_LONG = 0.06
 """Standard deviation of the excess of a finger's length over its standard length, as a share of the
 standard length."""
@@ -286,7 +286,7 @@ class HandSides:
         if len(chosen) < len(hands):
             others = sum(h.side not in (None, *self.sides) for h in hands)
             self.counts["hands of another side"] += others
-            self.counts["hands beside the one of their side"] += len(hands) - len(chosen) - others
+            self.counts["further hands of the same side"] += len(hands) - len(chosen) - others
         return chosen
 
     def _steady(self, hand: TrackedHand, alone: bool) -> TrackedHand:

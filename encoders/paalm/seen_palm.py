@@ -8,8 +8,8 @@ device often reports shorter lengths. Only past frames are used.
 
 The centre sometimes moves towards the fingers for a time, by 6 cm in the real recording v1-hands
 when a hand leaves the view. Every finger then seems to end too near to its knuckle, although it is
-not lowered. Of real postures, only a claw is like this. The median of this error over all fingers
-is the `slip`.
+not lowered. Among real postures, only a claw looks like this. The median of this error over all
+fingers is the `slip`.
 """
 
 from __future__ import annotations

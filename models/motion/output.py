@@ -156,7 +156,8 @@ class MotionWriter(ABC):
 
 
 def refused(path: Path, error: OSError | RuntimeError) -> MotionError:
-    """The error for a file that cannot be written; a loop of links is a `RuntimeError`."""
+    """The error for a file that cannot be written. Python reports a loop of links as
+    `RuntimeError`."""
     got = error.strerror if isinstance(error, OSError) else str(error)
     return MotionError("the motion cannot be written here", where=str(path), got=got)
 

@@ -226,7 +226,7 @@ def _check_order(robot: RobotModel, tips: Sequence[str]) -> None:
             "the fingertips are in another order than the fingers",
             where="--tips",
             got=",".join(tips),
-            expected="the thumb, then the other fingers from the one beside the thumb on",
+            expected="the thumb, then the other fingers in order, beginning beside the thumb",
             remedy=f"--tips {','.join(order)}, or --hand right or left for this order",
         )
 

@@ -1,9 +1,9 @@
 """Retargeting: a robot's hand takes the pose of a person's hand, fingertip to fingertip.
 
 Each step solves a damped least-squares problem: fingertips go to their places, joints stay within
-their ranges and near the middle of them, and the palm stays near its place. This place is computed
-from that of the person's palm, by multiplying its distance to every fingertip by the finger's
-scale. Fingers that touch weigh more than fingers in the air.
+their ranges and near the middle of them, and the palm stays near its place. This place follows from
+the place of the person's palm: its distance to every fingertip is multiplied by the finger's scale.
+Fingers that touch weigh more than fingers in the air.
 
 MuJoCo places and differentiates the fingertips, and all products are in fixed order. So the result
 depends only on MuJoCo's version and the system's libm.

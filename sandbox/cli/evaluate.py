@@ -98,9 +98,9 @@ class PaalmJudgeOptions:
     (v3). The frozen configuration determines the people. FOLDER: recordings. Their ground truth is
     either the bones that the device reports, if PIP and DIP are independent (in v2 they are equal
     by construction), or the poses that `sandbox devices leap simulate` wrote beside the frames.
-    Recordings of the first software have no ground truth: poses that are impossible for a real hand
-    are counted, once with the whole recording known and once as for a live device. The method as
-    printed in the paper is measured only on the device of the paper.
+    Recordings of the first software have no ground truth. Their poses that are impossible for a
+    real hand are counted twice: with the whole recording known, and as for a live device. The
+    method as printed in the paper is measured only on the device of the paper.
 
     Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
     """

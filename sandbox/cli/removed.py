@@ -85,7 +85,8 @@ def refuse_removed(args: Sequence[str]) -> None:
 
 
 def _has(words: Sequence[str], option: str, value: str) -> bool:
-    """True if an option is among words, with this value among its values unless it is empty."""
+    """True if an option is among words. A value that is not empty must be among the option's
+    values."""
     given = ""
     for word in words:
         given = word if word.startswith("--") else given

@@ -48,8 +48,8 @@ class TrainOptions:
     """Capture to train on. With --encoder, the default is the built-in capture."""
 
     degree: int | None = None
-    """Train a polynomial of this degree: 1, 2 or 3. 2 is the paper's, and the default with
-    --ridge."""
+    """Train a polynomial of this degree: 1, 2 or 3. Degree 2 is that of the paper, and the default
+    with --ridge."""
 
     ridge: float | None = None
     """Ridge penalty on the polynomial's coefficients; 0 is least squares, as in the paper. Default:

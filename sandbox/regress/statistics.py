@@ -3,8 +3,8 @@
 The same seeds are run before and after a change, so that trials come in pairs. For success, only
 pairs that differ are informative. A pair is lost if only the trial before the change succeeded, and
 won if only the trial after it did. Without an effect, about half of these pairs are lost and half
-are won. This is McNemar's test, here exact and one-sided. Times and other measures are compared by
-the signed ranks of their differences.
+are won. McNemar's test checks this; here it is exact and one-sided. Times and other measures are
+compared by the signed ranks of their differences.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ TOKEN_BYTES = 16
 TOKEN_NAME = "token"
 TOKENLESS = ("/", "/?role=spectator")
 """The only requests that are answered without a token: the page shows these addresses in the
-address bar. The answer is a page that reads the token, which is stored in its own tab."""
+address bar. The answer is a page that reads the token stored in its browser tab."""
 
 
 @dataclass(frozen=True)
@@ -232,14 +232,14 @@ class ConnectionLimits:
             oldest = next(iter(self._unauthenticated))
             if not self._unauthenticated.pop(oldest):
                 # `remove` does not count it again, as it is no longer among the unauthenticated.
-                self._counters.add("pushed out by others")
+                self._counters.add("closed in favour of newer ones")
             oldest.transport.abort()
 
     def judge(self, connection: ServerConnection) -> bool:
-        """Marks a connection whose request is now accepted or refused, and thereby counted.
+        """Marks a connection whose request is now accepted or refused, and is therefore counted.
 
-        Returns False if the connection was closed before, in favour of newer ones: then it is
-        already counted.
+        Returns False if the connection was closed before, in favour of newer ones. It is then
+        counted already.
         """
         if connection not in self._unauthenticated:
             return False

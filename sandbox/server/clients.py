@@ -581,7 +581,7 @@ class Clients:
         if waiting.qsize() < MOST_QUEUED:
             waiting.put(up)
         else:
-            self._counters.add("input that nobody waits for")
+            self._counters.add("input to a full queue")
 
     async def part(self) -> None:
         """Announces the end to all pages, so that they do not take it for a lost connection."""

@@ -261,7 +261,7 @@ class PageServer(ServerThread):
         reason = self._refusal(request, wants_socket)
         if reason == "token" and self.access.is_return_page(request.path, wants_socket):
             # Count also these requests, so that a flood of them is visible.
-            self.counters.add("asked without a token")
+            self.counters.add("request without a token")
             return self._files.way_back()
         if reason:
             self.counters.add(f"wrong {reason}")

@@ -134,9 +134,9 @@ def read_hand(
         mapping: Meaning of the names in the file.
         report: Collects residuals and counts.
         left: True for a left hand, which is mirrored into a right hand.
-        unit: Units of the file, such as `cm`, `cm,ms` or a number of metres. A unit that is not
-            given is the format's usual unit if the hand has a plausible size in it, or else the
-            unit in which the hand has a plausible size.
+        unit: Units of the file, such as `cm`, `cm,ms` or a number of metres. If a unit is not
+            given, it is the format's usual unit. If the hand then has no plausible size, the unit
+            that gives a plausible size is used.
         scale: Size of the hand in a CSV file relative to the adult hand. In other files the size
             is fitted.
         find_surface: True if an unknown surface may be estimated from fingertips.
@@ -172,7 +172,7 @@ def read_hand(
     except CaptureError as error:
         if not read.report:
             raise
-        # Frames that the reader left out or assumptions that it made are the likely reason.
+        # The likely reasons are frames that the reader left out, and its assumptions.
         raise CaptureError(
             error.what,
             where=error.where or str(path),

@@ -43,8 +43,8 @@ _LONGEST_STEP = 0.4
 """Largest rotation (rad) of a joint in one Gauss-Newton step."""
 
 _TRUST = 0.005
-"""Standard deviation (m) of the mean, over all frames, of a point's observed position on its bone.
-The mean counts as one observation."""
+"""Standard deviation (m) of a point's mean observed position on its bone. The mean over all frames
+counts as one observation."""
 
 _SIZES = (0.6, 1.5)
 """Least and greatest size of a hand relative to the skeleton's."""

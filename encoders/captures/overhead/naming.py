@@ -1,6 +1,6 @@
 """Labels the contacts of a recording from the fingertips in the camera's pictures.
 
-Belief over the fingers of all contacts on the surface, updated from sample to sample.
+A belief over the fingers of all contacts on the surface is updated from sample to sample.
 
 A state assigns different fingers to the contacts that are down; there are at most 120 states. Every
 sample has the distance of each contact from each finger's pad. These distances make states more or

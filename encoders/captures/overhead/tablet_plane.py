@@ -33,7 +33,7 @@ MOST_MISS = 0.012
 neighbouring fingers."""
 MIRRORED = 0.6
 """A picture counts as mirrored if the median distance between touches and fingers in its mirror
-image is less than this share of that in the picture."""
+image is less than this share of the median distance in the picture itself."""
 
 _SHARES = tuple(np.linspace(-0.2, 0.8, 11).tolist())
 _FIRST_SHARE = 0.3
@@ -404,7 +404,7 @@ def field_of_view(matrix: Array, size: tuple[int, int]) -> float | None:
     The two axes of the plane are perpendicular and equally long in space. These facts give two
     equations for one unknown (Zhang, A flexible new technique for camera calibration, 2000). The
     result is None if the plane is seen from nearly straight above, since the picture is then the
-    same for any lens, and if the solution is not a plausible field of view.
+    same for any lens. It is also None if the solution is not a plausible field of view.
 
     Args:
         matrix: (3, 3) homography from pixels to m on the plane.

@@ -110,7 +110,7 @@ def capture_from_hands(
         )
     _note(report, clock, place, share, offset is None)
     # Without reported bones, a finger may be unseen, and PAALM only guesses its place. The touch is
-    # then more accurate, so no frame is dropped because of the distance between both.
+    # then more accurate, so no frame is dropped for a distance between touch and guess.
     near = rules if calibration.bones is not None else replace(rules, reach=np.inf)
     capture = assemble(labelled, here, clock.offset, near, report, meta)
     capture = whole_frames(capture, tracks, labelled, report)
@@ -241,9 +241,8 @@ def _note(
 
 
 BESIDE = 0.015
-"""Distance (m) from a touch within which a visible fingertip labels the touch. It is more than half
-of the least distance between neighbouring fingers; but a visible neighbour is nearer to its own
-touch."""
+"""Distance (m) from a touch within which a visible fingertip labels the touch. A neighbouring
+finger may be as near to the touch, but if it is visible, it is nearer to its own touch."""
 
 _VOTES = 3
 """Number of moments at which a fingertip must be seen beside a touch to label it."""

@@ -70,8 +70,8 @@ class OpenHandSearch:
         wanted: Number of frames with all five fingers that are needed to measure a hand.
 
     Attributes:
-        seen: Number of such frames among the latest 2 `wanted` frames, at most `wanted`. It is
-            updated every 20 frames.
+        seen: Number of frames with all five fingers among the latest 2 `wanted` frames, at most
+            `wanted`. It is updated every 20 frames.
         refused: Reason why the last hand that was checked is not open; empty before the first
             check.
     """

@@ -2,7 +2,7 @@
 
 The centre of a touching fingertip is above its touch, at a known height. Enough fingertips, not on
 one line, determine rotation and translation of the device's frame. The first estimate needs no
-labels of touches: the plane on which fingertips rest gives heights, and of all rotations about the
+labels of touches. The plane on which fingertips rest gives heights. Of all rotations about the
 plane's normal, the estimate is the one that brings fingertips nearest to touches.
 """
 

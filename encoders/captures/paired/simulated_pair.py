@@ -320,7 +320,7 @@ def _touched(
     frames: list[TouchFrame] = []
     rows_of = {trial: np.flatnonzero(truth.trial == trial) for trial, _ in starts}
     spans: list[tuple[float, float, Array, Array]] = []
-    # The touches of a tap are those of the frame whose pose taps.
+    # All taps use the touches of one frame with the most fingers.
     five = int(truth.down.sum(axis=1).argmax())
     clock, number = c.open_seconds + 1.0, -1
     for gap in c.taps:

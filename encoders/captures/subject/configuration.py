@@ -69,9 +69,8 @@ class SubjectConfiguration:
         style: Spread of the intended posture from take to take, as a share of the spread of all
             postures (the preceding settings).
         sway: Spread of the intended posture within a take, as a share of the same spread.
-        root_variety: Factor on the root's part of the intended posture's changes. Arm and wrist
-            vary more than their spreads relative to the fingers suggest, and the fingers
-            compensate.
+        root_variety: Factor on the changes of the root in the intended posture. Arm and wrist vary
+            more than the preceding spreads suggest, and the fingers compensate.
         sway_time: Time (s) over which the sway changes.
         arm_turn: Share of the touches' turn that the hand makes.
         elbow: Weight of the direction from elbow to hand in the hand's yaw.

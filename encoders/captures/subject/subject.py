@@ -42,8 +42,8 @@ class Anatomy:
 
     Attributes:
         hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. In joints
-            with two or three degrees of freedom, these are components of one rotation vector, as
-            nearly in eye and shoulder (Listing's law). Columns of the root are unit vectors.
+            with two or three degrees of freedom, these are components of one rotation vector, as is
+            nearly true of eye and shoulder (Listing's law). Columns of the root are unit vectors.
         covariance: (27, 27) covariance of the intended posture.
     """
 

@@ -123,7 +123,7 @@ DIALECTS = ("v3", "v1")
 BALL = 0.23
 """Distance from the end of the last bone back to the later software's `tipPosition`, as a share of
 the last bone. Every finger in the real recording pinch-57fps has this share (4.2 mm on average). On
-real v3 hands the two points are 6.5 mm apart, and not only along the bone."""
+real v3 hands, `tipPosition` is 6.5 mm from the end of the bone, and not only along the bone."""
 
 _Seen = tuple[TrackedHand, dict[int, int]]
 """A hand as the device reports it, and the finger of every id."""

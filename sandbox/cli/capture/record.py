@@ -183,8 +183,8 @@ class RecordOptions(PageOptions, LiveTouchOptions):
     another day for a test set. docs/captures.md explains where to place the Leap.
 
     With --hands webcam, a camera over the tablet sees the fingers, and each touch is labelled by
-    the nearest fingertip in the picture (docs/captures.md; it takes ten minutes). Landmarks of the
-    hand are recorded, but never pictures.
+    the nearest fingertip in the picture (docs/captures.md; a session takes ten minutes). Landmarks
+    of the hand are recorded, but never pictures.
 
     Try it without devices:
 
@@ -323,7 +323,7 @@ def _record(options: RecordOptions, opened: Opened, hands: Hands) -> int:
 
 
 def _start_offsets(options: RecordOptions) -> tuple[float, float]:
-    """Returns how much later (s) touches and hands begin than the first of them.
+    """Returns the delays (s) with which touches and hands begin after the first of the two.
 
     It applies to two files of one session. Played as devices, both would begin at 0. For all other
     sources it returns (0, 0).

@@ -78,7 +78,7 @@ def check_output(path: Path | None, option: str = "--json") -> None:
             )
         if path.is_dir():
             raise InputError("this is a folder", where=f"{option} {path}", expected="a file")
-        # A file made for the test is removed again; a symbolic link to it never is.
+        # A file made for this check is removed again. A symbolic link at the path stays.
         target = path.resolve()
         there = target.exists()
         # Opening a pipe would block until a reader opens it.

@@ -149,10 +149,10 @@ class MeasureOptions(LiveTouchOptions):
 def measure(options: MeasureOptions = MeasureOptions()) -> int:
     """Measures a hand: put down five fingers three times, relaxed, close together and wide apart.
 
-    The profile stores the length of the hand relative to the hand of the training data, by which
-    touches are scaled, and the three layouts, which help to label fewer than five fingers. `sandbox
-    play` with a touch device uses the profile automatically; other commands need --profile. An
-    existing profile is replaced. `sandbox hand show` shows it.
+    The profile stores the length of the hand relative to the hand of the training data; touches are
+    scaled by it. It also stores the three layouts, which help to label fewer than five fingers.
+    `sandbox play` with a touch device uses the profile automatically; other commands need
+    --profile. An existing profile is replaced. `sandbox hand show` shows it.
 
     Try: sandbox hand measure --device simulated --hand-size 0.9 --out profile.json
     """

@@ -91,7 +91,7 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
             if hand is None:
                 continue
             if told.side in hands:
-                self.counts["hands beside the one of their side"] += 1
+                self.counts["further hands of the same side"] += 1
                 continue
             if any(lie_on([hand.palm], [other.palm], _PALM) for other in hands.values()):
                 self.counts[ON_ANOTHER] += 1

@@ -9,14 +9,14 @@ rows are assigned so that
 
 - over a full cycle every combination of rows occurs exactly once, and
 - among the first n participants, for every n, the numbers of uses of any two rows of a factor
-  differ by at most one, as do those of any two combinations of rows of all factors.
+  differ by at most one; the same holds for any two combinations of rows of all factors.
 
 With three or more factors, the rows of two factors may be confounded until a cycle is full;
 `confounded` names such pairs.
 
-The order of an inner factor is the same at all places of an outer factor. So both statements also
-hold for the inner orders at each place of the outer factor, inside each of its levels, and for
-place and level together.
+An inner factor has the same order at all places of an outer factor. So both statements also hold
+for its orders at each place of the outer factor, in each level of it, and for each pair of place
+and level.
 """
 
 from __future__ import annotations
@@ -138,7 +138,8 @@ def nearest_cycles(design: Design, people: int) -> str:
 
 
 def confounded(design: Design, people: int) -> list[str]:
-    """Factors that are confounded with so many participants, a line each; empty for full cycles.
+    """Factors that are confounded at this number of participants, a line each; empty for full
+    cycles.
 
     A combination of factors is named only if no smaller combination in it is confounded.
     """

@@ -46,7 +46,7 @@ FURTHEST = 12
 QUICK = 0.5
 """Share of the expected duration of a trial; a shorter time may be an accident."""
 COPIED = 15
-"""Number of characters; texts in two languages that are at least as long are not equal by chance.
+"""Number of characters from which on equal texts in two languages are not a coincidence.
 """
 NAMED = 4
 """Largest number of missing words that a finding names."""

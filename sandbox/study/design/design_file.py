@@ -195,9 +195,9 @@ _TAG = re.compile(r"[A-Za-z]{2,8}(-[A-Za-z0-9]{1,8})*")
 def _check_names(design: Design, reader: Reader) -> None:
     """Refuses language tags of a wrong form, and names that are ambiguous in tables and reports.
 
-    These names are ambiguous: of a question about the person, the name of a column that the program
-    fills; of a questionnaire, the name of the form about the person; of a level, a name that
-    contains a separator. A study that has begun with such names can still be opened.
+    Three kinds of names are ambiguous: a question about the person with the name of a column that
+    the program fills; a questionnaire with the name of the form about the person; and a level whose
+    name contains a separator. A study that has begun with such names can still be opened.
     """
     for code in design.languages:
         if not _TAG.fullmatch(code):

@@ -173,8 +173,8 @@ class _Plan:
         # Rows and seeds count people from 0.
         self._participant = number - 1
         self._rows = rows_of(design, self._participant)
-        # This session's orders are so many rows after those of the first session. If a factor has
-        # one level a session, all sessions share one order: each is a place in it.
+        # Number of rows from the orders of the first session to those of this session. If a factor
+        # has one level a session, all sessions share one order, and each session is a place in it.
         one_a_session = any(factor.one_a_session for factor in design.factors)
         self._moved = 0 if one_a_session else session - 1
         # Added to the parts of all seeds in sessions after the first.

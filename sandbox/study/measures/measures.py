@@ -385,7 +385,8 @@ MEASURES: tuple[Measure, ...] = (
         "bit/s",
         "Effective throughput",
         "effective throughput over the successful trials of the session with the same task and "
-        "levels (at least 3, without practice and excluded trials); equal in all rows with these",
+        "levels (at least 3, without practice and excluded trials); the same value in all rows "
+        "with this task and these levels",
         better=HIGH,
         scale=LOG,
         source=ISO,

@@ -329,9 +329,9 @@ class StudyFolder:
     ) -> tuple[Participant, Participant | None]:
         """Writes a note that a participant whose number was freed is included again.
 
-        The participant gets the earlier number back. If another participant has it now, it depends
-        on the trials: without trials, the participant gets the first free number; with trials, both
-        have the same number, since it determined the orders of these trials.
+        The participant gets the earlier number back. If another participant has it now, a
+        participant without trials gets the first free number. A participant with trials shares the
+        earlier number, since it determined the orders of these trials.
 
         Args:
             person: The participant.

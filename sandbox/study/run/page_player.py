@@ -181,7 +181,7 @@ class _PageClock:
         """Counts absences of pages, and adds up their duration."""
         was, self._was_away = self._was_away, bool(self._auto.away)
         if self._was_away:
-            # The silence before a page counts as away is part of its absence.
+            # An absence includes the silence after which a page counts as away.
             silence = max(self._pages[i].server.silence for i in self._auto.away)
             self._away += now - self._last if was else silence
             self._times += not was

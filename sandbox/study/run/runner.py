@@ -101,7 +101,7 @@ class SessionRunner:
         self._leave_key = self._leave_reason = ""
         self._step: Step | None = None
         self._introduced = "", False
-        # In a session that was resumed, the experimenter may exclude the last trial before that.
+        # In a resumed session, the experimenter may exclude the last trial before the interruption.
         self._last = self.session.state.last_finished(self.session.steps)
         self._frames = FrameWriter()
 
@@ -146,7 +146,7 @@ class SessionRunner:
             if session.state.consent is False:
                 why = SessionOutcome.NO_CONSENT.value
                 session.write("end", durable=True, complete=False, why=why)
-                # The next participant gets the same orders.
+                # The number is free again, so the next participant gets its orders.
                 session.study.release(session.person.ppid, why)
                 return SessionOutcome.NO_CONSENT
         if not session.state.complete:

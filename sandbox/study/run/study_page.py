@@ -30,7 +30,8 @@ hand, with a bank card."""
 TICK = 0.02
 """Time (s) between two checks of inputs of the participant and the experimenter."""
 GONE = 3.0
-"""Time (s) without a message after which the page counts as gone. It sends two of them a second."""
+"""Time (s) without a message after which the page counts as gone. A page sends two messages a
+second."""
 
 Given = str | float | None
 

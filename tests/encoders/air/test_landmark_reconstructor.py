@@ -80,7 +80,7 @@ def test_of_two_hands_of_one_side_the_one_that_was_followed_goes_on_beside_the_o
     reconstructor = LandmarkReconstructor(CAMERA)
     alone = watched(LandmarkReconstructor(CAMERA), still([mine]), 1.0)
     assert watched(reconstructor, frames, 1.0).q.tobytes() == alone.q.tobytes()
-    assert reconstructor.counts["hands beside the one of their side"] > 0
+    assert reconstructor.counts["further hands of the same side"] > 0
 
 
 def test_a_lost_hand_stays_for_a_moment_and_then_rises_as_a_ghost() -> None:

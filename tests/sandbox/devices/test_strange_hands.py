@@ -293,7 +293,7 @@ def test_of_two_right_hands_one_is_exported_all_the_time_and_the_other_reported(
     said = exported(path, capsys)
     count = len(both)
     assert f"{count} of {count} pictures" in said or f"{count} frames of {count}" in said
-    assert "two right hands" in said and f"{count} hands beside the one of their side" in said
+    assert "two right hands" in said and f"{count} further hands of the same side" in said
     assert alone.with_suffix(".bvh").read_text() == path.with_suffix(".bvh").read_text()
 
 

@@ -150,7 +150,7 @@ def test_without_a_token_there_is_only_a_page_that_knows_nothing(
         assert get(other.url, path).read() == body
     finally:
         other.close()
-    assert server.counters.as_dict() == {"asked without a token": 2}
+    assert server.counters.as_dict() == {"request without a token": 2}
 
 
 def test_with_the_token_there_is_still_nothing_outside_of_the_page(server: PageServer) -> None:
@@ -357,7 +357,7 @@ def test_requests_that_nobody_reads_do_not_fill_the_memory(stage: Stage) -> None
             page.say(type="ask", what="retry")
         page.answered()
         assert len(stage.server.take_requests()) == MOST_QUEUED
-        assert stage.server.counters["input that nobody waits for"] == 50
+        assert stage.server.counters["input to a full queue"] == 50
         page.say(type="ask", what="retry")
         page.answered()
         assert len(stage.server.take_requests()) == 1

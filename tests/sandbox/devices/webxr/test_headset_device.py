@@ -160,7 +160,7 @@ def test_a_third_hand_and_a_lost_controller_cost_no_other(headset: Headset) -> N
     assert headset.device.counts == {
         "no place": 1,
         "not a unit quaternion": 1,
-        "hands beside the one of their side": 2,
+        "further hands of the same side": 2,
     }
 
 
