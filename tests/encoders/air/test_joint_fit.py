@@ -16,7 +16,7 @@ from encoders.air.joint_fit import (
     seen_size,
 )
 from models.arithmetic import Array
-from models.pose import JOINTS, ROOT_POSITION, violations
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
 from tests.encoders.air.joint_hands import any_pose, points, seen
@@ -99,3 +99,13 @@ def test_without_a_palm_there_is_no_pose(missing: list[int]) -> None:
 def test_the_size_of_a_hand_is_that_of_its_bones(size: float) -> None:
     q = any_pose(np.random.default_rng(10))
     assert seen_size(seen(points(q, ADULT.scaled(size))), ADULT) == pytest.approx(size)
+
+
+def test_the_palm_is_laid_on_the_knuckles_of_a_longer_palm() -> None:
+    q = any_pose(np.random.default_rng(11))
+    q[JOINTS] = 0.0
+    at = points(q)
+    at[0] += 0.1 * (at[0] - at[list(KNUCKLES)].mean(axis=0))
+    found = fitted(at).pose
+    assert points(found)[TIPS:] == pytest.approx(at[TIPS:], abs=0.001)
+    assert np.degrees(geodesic_angle(found[ROOT_ROTATION], q[ROOT_ROTATION])) < 3.0

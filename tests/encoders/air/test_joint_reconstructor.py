@@ -7,6 +7,7 @@ import pytest
 
 from encoders.air.joint_fit import TIPS
 from encoders.air.reconstructors import JointReconstructor
+from encoders.reconstruction.followed_hand import UNSEEN_NOTICE
 from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.frames import HandFrame, TrackedHand
@@ -54,6 +55,15 @@ def test_each_hand_takes_its_own_side_of_two() -> None:
     both = (seen(points(high(3)) * MIRROR, "left"), seen(points(high(4))))
     alone = play(JointReconstructor("right"), both[1:], 30)
     assert play(JointReconstructor("right"), both, 30).q.tobytes() == alone.q.tobytes()
+
+
+def test_a_lost_hand_waits_and_then_is_a_ghost_with_a_notice() -> None:
+    reconstructor = JointReconstructor()
+    play(reconstructor, (seen(points(high(5))),), 40)
+    assert play(reconstructor, (), 10, 40 * STEP).phase is Phase.DOWN
+    result = play(reconstructor, (), int((UNSEEN_NOTICE + 1.0) / STEP), 50 * STEP)
+    assert result.phase is Phase.AWAY and not result.fingers
+    assert "not seen" in reconstructor.notice
 
 
 def test_a_hand_under_the_table_is_raised() -> None:

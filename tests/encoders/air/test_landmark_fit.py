@@ -103,13 +103,15 @@ def pinching() -> Array:
     return q
 
 
-def test_a_pinching_thumb_is_followed() -> None:
+def test_a_pinching_thumb_is_followed_by_steps_that_move_nothing_else() -> None:
     q, points = pinching(), HandPoints(ADULT)
-    off = []
+    poses, off = [], []
     for steps in (0, FitSettings().thumb_steps):
         found, _ = looked_at(q, LandmarkFit(ADULT, FitSettings(thumb_steps=steps)))
+        poses.append(found)
         off.append(float(np.linalg.norm((points.points(found) - points.points(q))[15])))
     assert off[1] < 0.75 * off[0]
+    assert np.delete(poses[1] - poses[0], np.s_[6:12]) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_hand_that_jumps_is_found_again() -> None:

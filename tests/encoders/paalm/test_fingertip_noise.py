@@ -47,6 +47,16 @@ def test_fast_movement_is_not_measured_as_noise(
     assert constants(places) == 0.03
 
 
+def test_a_jump_and_a_gap_are_not_measured_as_noise() -> None:
+    jumps = np.cumsum(np.arange(200) % 40 == 0)[:, None] * np.array([0.05, 0.0, 0.0])
+    assert constants(jumps) == 0.03
+    found = followed(np.zeros((10, 3)))
+    found.interrupt()
+    for _ in range(2):
+        found.add((0.3, 0.0, 0.0))
+    assert found.mean == 0.0
+
+
 def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant() -> None:
     one = take(2, drop_outs=False)
     free, fixed = calibrated(one), calibrated(one, FIXED)

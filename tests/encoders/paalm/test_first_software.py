@@ -13,7 +13,8 @@ from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.average import average_calibration
 from encoders.paalm.identity import HandSides
 from encoders.paalm.palm import palm_of
-from encoders.paalm.seen_palm import FIRST_SHIFT
+from encoders.paalm.rig import average_knuckle
+from encoders.paalm.seen_palm import FIRST_SHIFT, LearnedPalm
 from sandbox.devices.leap.leap_file import read_leap
 from tests.support.leap_hands import MIRROR, changed_hand, real_take, take
 
@@ -81,3 +82,21 @@ def test_an_unmeasured_hand_learns_where_its_palm_is_seen_and_how_long_its_finge
         for f in frame.hands[0].fingers:
             longest[names[f.id]] = max(longest[names[f.id]], f.length)
     np.testing.assert_allclose(learned, longest, rtol=0.1)
+
+
+def test_a_palm_is_learned_slowly_from_fingers_that_point_back_to_their_knuckles() -> None:
+    knuckles = [average_knuckle(finger) for finger in range(5)]
+    learned = LearnedPalm(FIRST_SHIFT, [0.07] * 5, [0.0] * 5, knuckles)
+    truth = (0.002, -0.045, 0.001)
+    for _ in range(3000):
+        for name, knuckle in enumerate(knuckles):
+            x, y, z = np.add(knuckle, truth).tolist()
+            learned.add(name, 0.0705, (x, y + 0.0705, z), (0.0, 1.0, 0.0))
+            learned.add(name, 0.03, (x, y + 0.0705, z), (0.0, 1.0, 0.0))
+            # The palm the wrong way round, for a moment.
+            learned.add(name, 0.0705, (x, y - 0.05, z), (0.0, 1.0, 0.0))
+        before = learned.shift
+        learned.move()
+        assert np.abs(np.subtract(before, learned.shift)).max() < 3e-4
+    np.testing.assert_allclose(learned.shift, truth, atol=0.001)
+    np.testing.assert_allclose(learned.standard, 0.0705, atol=0.001)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.paalm import Paalm
+from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.average import average_calibration
 from encoders.paalm.coupling import OFFSET_STEP, ORION, SLOPE_STEP, LearnedCoupling
 from encoders.paalm.palm import vector_of
@@ -64,6 +64,23 @@ def test_straight_fingers_and_those_without_joints_teach_nothing() -> None:
     blind = replace(blind, fingers=tuple(replace(f, joints=None) for f in blind.fingers))
     assert not any(learned.add(hand) for hand in [straight, blind] * 200)
     assert learned.used == ORION
+
+
+@pytest.mark.parametrize("seed", [41, 42])
+def test_a_persons_joints_are_nearer_to_the_truth_than_with_the_dialects_coupling(
+    seed: int,
+) -> None:
+    take = leap_take(simulate_air(seed, "right", replace(FROZEN_AIR, seconds=12.0)), seed, "v3")
+    late = np.arange(len(take.frames)) > len(take.frames) // 3
+    found = {}
+    for learns in (True, False):
+        paalm = Paalm(PaalmOptions(learns=learns))
+        paalm.use({"right": average_calibration(take.frames[:50], "right")})
+        tables = np.array([paalm.step(f).hands["right"].table for f in take.frames])
+        off = np.abs(tables - take.angles)[late & ~take.open, 1:, 2:]
+        found[learns] = off.mean(axis=(0, 1))
+    assert found[True].sum() <= found[False].sum() + 0.2
+    assert found[True].max() < 5.0
 
 
 def test_a_hand_that_is_new_to_the_session_is_learned_anew() -> None:

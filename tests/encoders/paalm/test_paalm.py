@@ -170,6 +170,17 @@ def test_time_that_runs_backwards_changes_nothing_and_is_counted() -> None:
     np.testing.assert_array_equal(late.hands["right"].table, now.table)
 
 
+def test_a_frame_with_too_many_fingers_is_counted_and_holds_the_hand() -> None:
+    one = take(0, drop_outs=False)
+    paalm = calibrated(one)
+    before = paalm.step(one.frames[0]).hands["right"]
+    (hand,) = one.frames[1].hands
+    many = hand.fingers + tuple(replace(f, id=f.id + 50) for f in hand.fingers)
+    after = paalm.step(replace(one.frames[1], hands=(replace(hand, fingers=many),)))
+    np.testing.assert_array_equal(after.hands["right"].table, before.table)
+    assert paalm.counts["hands with more than five fingers"] == 1
+
+
 def test_an_unmeasured_hand_is_refused() -> None:
     with pytest.raises(EncoderError, match="calibration"):
         Paalm().step(take(0).frames[0])

@@ -130,6 +130,13 @@ def test_a_capture_of_a_left_hand_is_a_left_hands_rest_posture(tmp_path: Path) -
         load_rest(tmp_path / "me.npz", "right", 1.0)
 
 
+def test_a_file_that_cannot_be_written_is_refused_and_the_old_one_stays(tmp_path: Path) -> None:
+    (tmp_path / "me.json").mkdir()
+    with pytest.raises(InputError, match="cannot be written"):
+        save_rest(rest_samples(person()), tmp_path / "me.json", "right", simulated=True)
+    assert (tmp_path / "me.json").is_dir()
+
+
 @pytest.mark.parametrize(
     "wrong",
     (

@@ -101,16 +101,17 @@ def test_a_hand_is_down_only_at_its_place_and_comes_down_only_over_it(
 def test_a_hand_that_nothing_touches_rises_to_its_hover_and_is_as_new_after_a_reset(
     history: list[Moment],
 ) -> None:
-    arrival, fresh = Arrival(S), Arrival(S)
+    arrival, used, fresh = (Arrival(S) for _ in range(3))
     for moment in history:
         told(arrival, moment)
+        told(used, moment)
     told(arrival, NOTHING, S.hover / S.up + 2 * DT)
     assert (arrival.phase, arrival.height) == (Phase.AWAY, S.hover)
-    arrival.reset()
+    used.reset()
     for _ in range(60):
-        told(arrival, READY)
+        told(used, READY)
         told(fresh, READY)
-        assert (arrival.phase, arrival.height) == (fresh.phase, fresh.height)
+        assert (used.phase, used.height) == (fresh.phase, fresh.height)
 
 
 def test_a_hand_over_resting_touches_dwells_and_then_comes_down_at_its_speed() -> None:

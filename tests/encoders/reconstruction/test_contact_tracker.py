@@ -201,6 +201,15 @@ def test_with_no_finger_left_all_are_let_go_together_when_the_first_ones_time_is
     assert len(tracker.tracks) == 0
 
 
+def test_while_a_finger_touches_the_others_go_one_by_one() -> None:
+    tracker = after(frame(0.0, THUMB, INDEX, MIDDLE), frame(DT, THUMB, None, MIDDLE))
+    tracker.step(frame(DT + 0.1, THUMB, None, None))
+    tracker.step(frame(DT + SETTINGS.grace, THUMB, None, None))
+    assert list(tracker.tracks) == [0, 2]
+    tracker.step(frame(DT + 0.1 + SETTINGS.grace, THUMB, None, None))
+    assert list(tracker.tracks) == [0]
+
+
 PALM = Contact(9, 0.06, 0.12, SETTINGS.blob + 0.001)
 FAR = Contact(9, THUMB[0] + SETTINGS.span + 0.001, THUMB[1])
 SIXTH = Contact(9, 0.06, 0.08)

@@ -191,6 +191,18 @@ def test_a_finger_that_had_no_room_beside_a_palm_comes_once_the_palm_is_known() 
     assert tracker.counts["palm"] == 1
 
 
+@given(st.floats(0.004, 0.09), PLACES)
+def test_while_five_fingers_are_down_nothing_else_becomes_one(
+    size: float, place: tuple[float, float]
+) -> None:
+    tracker = ContactTracker()
+    five = tuple(touch(i) for i in range(5))
+    for step in range(80):
+        more = (touch(9, size, place),) if step >= 20 else ()
+        tracker.step(TouchFrame(DT * step, five + more))
+    assert {t.device_id for t in tracker.tracks.values()} == {0, 1, 2, 3, 4}
+
+
 @given(st.lists(st.sampled_from([None, 0.01, 0.034, 0.05]), min_size=5, max_size=5))
 def test_contacts_without_width_and_height_are_judged_by_their_diameter_as_they_come(
     sizes: list[float],
