@@ -12,7 +12,7 @@ from hypothesis import given, settings
 
 from models.arithmetic import Array
 from models.errors import SceneError
-from models.hand import IMPULSE_PERIOD, IMPULSE_PROFILES, SERVOS, Hand
+from models.hand import CALM_ARMATURE, IMPULSE_PERIOD, IMPULSE_PROFILES, SERVOS, Hand
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, mirrored
 from models.rotations import geodesic_angle, quaternion_log
@@ -22,6 +22,8 @@ from tests.support.simulation import TIMESTEPS, legal_poses, no_warning, put, ra
 from tools.make_hand import HAND_FILE, hand_xml
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
+THUMB_MCP = 9
+"""Component of the pose: flexion of the thumb's outer joint."""
 
 
 def hand_scene(timestep: float = 0.002, **options: Any) -> tuple[Scene, mujoco.MjData]:
@@ -151,6 +153,22 @@ def test_no_servo_exceeds_its_impulse_limit_and_saturated_ones_reach_it(
     # finger joints, the tiny one for all.
     assert saturated[:3].all()
     assert saturated.all() == (impulse == TINY)
+
+
+@pytest.mark.parametrize("servo", SERVOS)
+def test_a_heavy_finger_that_breaks_free_goes_half_as_far_at_first_and_ends_at_the_same_place(
+    servo: str,
+) -> None:
+    ways = []
+    for armature in (1.0, CALM_ARMATURE):
+        scene, data = hand_scene(servo=servo, finger_armature=armature)
+        data.ctrl[THUMB_MCP] = -0.2
+        for steps in (2, 400):
+            mujoco.mj_step(scene.model, data, steps)
+            ways.append(simulated_pose(scene, data)[THUMB_MCP])
+    far, end, calm, same = ways
+    assert 0.5 * far < calm < 0.0
+    assert same == pytest.approx(end, abs=1e-5) and end == pytest.approx(-0.2, abs=1e-3)
 
 
 @given(q=legal_poses)

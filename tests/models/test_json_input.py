@@ -126,17 +126,16 @@ def test_a_damaged_text_is_read_or_refused_with_one_clear_error(data: st.DataObj
 
 
 @given(VALUES, st.sampled_from(["one", "two", "three\n"]))
-def test_one_wrong_field_of_many_is_found(value: Any, name: str) -> None:
+def test_one_wrong_field_of_many_is_found_and_the_value_stays_unchanged(
+    value: Any, name: str
+) -> None:
+    sheet = {**SOUND, "rows": {**SOUND["rows"], name: value}}
+    was = repr(sheet)
     try:
-        checked(
-            {**SOUND, "rows": {**SOUND["rows"], name: value}},
-            Sheet,
-            EncoderError,
-            what="w",
-            where="s.json",
-        )
+        checked(sheet, Sheet, EncoderError, what="w", where="s.json")
     except EncoderError as error:
         assert f"rows[{name!r}]" in str(error) and clear(error, "s.json")
+    assert repr(sheet) == was
 
 
 def test_records_of_this_program_may_hold_nan() -> None:

@@ -145,6 +145,16 @@ def test_parts_of_one_mechanism_meet_only_through_their_joints_and_never_the_tab
         assert data.ncon == 0
 
 
+def test_a_box_on_a_fixed_mechanism_rests_on_its_parts_and_not_on_the_table() -> None:
+    box = Box("box", (0.01, 0.01, 0.01), 0.1, (0.04, -0.04, 0.046))
+    scene = Scene(SceneSpec((), (*Mechanism("desk", DESK).parts, box)))
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_step(scene.model, data, 300)
+    sensing = Sensing(scene, data)
+    assert sensing.touching("box", "desk/lid") or sensing.touching("box", "desk/drawer")
+    assert not sensing.object("box").on_table
+
+
 def test_a_free_mechanism_falls_with_all_that_it_carries() -> None:
     free = DESK.replace("<body>", "<body><freejoint/>", 1)
     crate = Mechanism("crate", free, (0.0, 0.0, 0.1))

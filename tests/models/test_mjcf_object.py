@@ -128,6 +128,18 @@ def test_in_a_scene_it_is_the_body_that_was_described(size: float) -> None:
     assert model.geom_friction[first, 0] == pytest.approx(0.7)
 
 
+@pytest.mark.parametrize("shape", KNOWN)
+@pytest.mark.parametrize("size", [1.0, 1.7])
+def test_on_the_table_it_rests_where_it_was_put(shape: str, size: float) -> None:
+    thing = MjcfObject.on_table("thing", KNOWN[shape][0], 0.1, (0.03, 0.02), 0.4).scaled(size)
+    scene = Scene(SceneSpec((), (thing,)))
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_step(scene.model, data, 250)
+    height = {"two": 0.05, "sphere": 0.03, "capsule": 0.05}.get(shape, 0.01)
+    position, _ = scene.object_pose(data, "thing")
+    assert position == pytest.approx((0.03, 0.02, size * height), abs=5e-4)
+
+
 def test_a_visible_geom_without_collisions_is_not_solid() -> None:
     ghost = '<geom type="sphere" size=".2" contype="0" conaffinity="0"/>'
     thing = MjcfObject("thing", mjcf(SPHERE + ghost), 0.1)

@@ -4,6 +4,7 @@ refused."""
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 import pytest
@@ -30,6 +31,7 @@ from models.plausible import (
     lie_on,
     on_surface,
     parse_units,
+    steps_of,
     touch_steps,
 )
 from models.reader_report import ReaderReport
@@ -60,6 +62,16 @@ def test_the_declared_unit_is_taken_where_it_fits_although_another_does_too() ->
 def test_a_size_that_no_unit_explains_is_refused(factor: float) -> None:
     with pytest.raises(MotionError, match="longest finger is impossible in any unit"):
         find_units({FINGER: [98.0 * factor]}, LEAP, where="x", error=MotionError)
+
+
+@given(st.lists(st.integers(0, 10**9), min_size=3, unique=True).map(sorted))
+def test_steps_are_those_of_times_that_go_on_and_a_clock_that_runs_backwards_is_seen(
+    times: list[int],
+) -> None:
+    steps = [b - a for a, b in pairwise(times)]
+    assert steps_of(times) == steps_of([*times, times[-1]]) == steps
+    assert max(steps_of(times[::-1])) < 0.0
+    assert steps_of(times[:1]) == []
 
 
 def test_a_given_unit_is_not_doubted_and_is_reported() -> None:

@@ -5,6 +5,8 @@ An independent reader: MuJoCo's own skinning.
 
 from __future__ import annotations
 
+import json
+import struct
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -22,11 +24,11 @@ from models.arithmetic import Array
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, mirrored
-from models.rotations import exp
+from models.rotations import exp, quaternion_to_matrix
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT, Skeleton
 from models.skin.skin import FULL, Skin, frames, normals_of
-from models.skin.skinned_glb import main
+from models.skin.skinned_glb import glb, main
 from sandbox.views.hand_appearance import skinned_model
 from tests.support.node_readers import ask
 from training.skin.field import HandField
@@ -185,3 +187,24 @@ def test_its_command_writes_a_sound_gltf_file_or_one_line_of_an_error(
     for wrong in ([], ["a.glb", "b.glb"], [str(tmp_path / "nowhere" / "hand.glb")]):
         assert main(wrong) == 2
         assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_the_joints_of_its_file_are_the_bones_at_the_zero_pose_and_bound_there() -> None:
+    content = glb(builtin())
+    (length,) = struct.unpack_from("<I", content, 12)
+    file = json.loads(content[20 : 20 + length])
+    (bound,) = file["skins"]
+    joints = [file["nodes"][i] for i in bound["joints"]]
+    assert [joint["name"] for joint in joints] == ["palm", *(b.name for b in ADULT.bones)]
+    view = file["bufferViews"][file["accessors"][bound["inverseBindMatrices"]]["bufferView"]]
+    inverse = np.frombuffer(content, "<f4", 15 * 16, 28 + length + view["byteOffset"])
+    places, turns = frames(ADULT, np.zeros(POSE_SIZE))
+    for joint, back, place, turn in zip(
+        joints, inverse.reshape(15, 4, 4), places, turns, strict=True
+    ):
+        x, y, z, w = joint["rotation"]
+        assert np.allclose(joint["translation"], place)
+        assert np.allclose(quaternion_to_matrix([w, x, y, z]), turn)
+        # Column by column: the joint's place is the origin of its own frame.
+        assert np.allclose([*place, 1.0] @ back, [0.0, 0.0, 0.0, 1.0], atol=1e-6)
+        assert np.allclose(back[:3, :3], turn, atol=1e-6)

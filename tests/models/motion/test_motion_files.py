@@ -168,6 +168,14 @@ def test_markers_and_frames_that_were_not_seen_are_missing_and_others_keep_their
     np.testing.assert_array_equal(np.isnan(tracks.places).all(axis=2), missing)
 
 
+@pytest.mark.parametrize("row", (6, 9))
+def test_a_first_or_last_frame_without_a_marker_is_a_frame(tmp_path: Path, row: int) -> None:
+    lines = TSV.splitlines()
+    lines[row] = "\t" * 5
+    tracks = read_markers(written(tmp_path, "tsv", "\n".join(lines) + "\n"))
+    assert len(tracks) == 4 and np.isnan(tracks.places[row - 6]).all()
+
+
 def test_a_real_body_keeps_its_bones_and_its_feet_above_the_floor(shared_data: Path) -> None:
     folder = shared_data / "formats"
     motion = read_amc(folder / "backflip.amc", read_asf(folder / "backflip.asf"))
@@ -261,6 +269,12 @@ def test_rows_beyond_the_stated_number_are_read_and_reported(
     assert isinstance(found, Motion | MarkerTracks) and isinstance(before, Motion | MarkerTracks)
     assert len(found) == len(before) + 1
     assert f"states {len(before)} frames and has {len(found)}" in found.report.line()
+
+
+def test_words_after_the_last_frame_of_a_bvh_are_left_out_and_counted(tmp_path: Path) -> None:
+    found = as_motion(written(tmp_path, "bvh", BVH + "# exported by somebody\n"))
+    assert len(found) == 2
+    assert found.report.left_out.total() == 1
 
 
 @pytest.mark.parametrize("key", (":SAMPLES-PER-SECOND 30", ":samples-per-second 30"))

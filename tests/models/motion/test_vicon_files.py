@@ -193,6 +193,8 @@ def test_what_is_cut_short_not_finite_or_no_motion_is_refused(
     tmp_path: Path, content: bytes
 ) -> None:
     path = tmp_path / "file.v"
+    with pytest.raises(MotionError, match="no such file"):
+        read_v(path)
     path.write_bytes(content)
     with pytest.raises(MotionError, match=r"file\.v"):
         read_v(path)

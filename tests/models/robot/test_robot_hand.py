@@ -145,13 +145,17 @@ def test_it_stands_in_a_scene_beside_ours_and_weighs_nothing(mapping: RobotMappi
     assert np.allclose(data.qpos, still, atol=2e-3)
 
 
-def test_the_side_of_a_hand_depends_on_no_size_place_or_turn_and_changes_in_a_mirror() -> None:
+def test_the_side_of_a_hand_depends_on_no_size_place_turn_or_length_and_changes_in_a_mirror() -> (
+    None
+):
     across = np.array([-0.03, -0.01, 0.01, 0.03])[:, None] * np.array([1.0, 0.0, 0.0])
     # Knuckles, and tips of straight and of bent fingers of a right hand.
     right = np.array([[0.0, 0.0, 0.0], [0.0, 0.09, 0.0], [0.0, 0.03, -0.06]])[:, None] + across
     moved = 1.7 * right @ exp(np.array([0.4, -1.2, 2.0])).T + [0.3, 0.1, -0.2]
     assert volume(*moved) == pytest.approx(volume(*right)) and volume(*right) > 0
     assert volume(*(right * [-1.0, 1.0, 1.0])) == pytest.approx(-volume(*right))
+    longer = right[:1] + [[[1.0]], [[1.4]], [[1.4]]] * (right - right[:1])
+    assert volume(*longer) == pytest.approx(volume(*right))
 
 
 @pytest.mark.parametrize("fingers", [3, 4, 5])

@@ -7,13 +7,15 @@ import json
 import os
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from models.errors import InputError
 from sandbox.cli.main import main
 from sandbox.trial import logs
-from sandbox.trial.logs import EventLog
+from sandbox.trial.logs import EventLog, NoticeEvents
 from tests.support.processes import until
 
 FULL = Path("/dev/full")
@@ -33,6 +35,20 @@ def test_events_are_lines_that_are_added_to_a_file(tmp_path: Path) -> None:
         log.close()
         log.close()
     assert len(path.read_text().splitlines()) == 2
+
+
+def test_a_notice_is_one_warning_for_as_long_as_it_stays(tmp_path: Path) -> None:
+    path, said = tmp_path / "events.jsonl", list[str]()
+    log = EventLog(path)
+    notices = NoticeEvents(log, said.append)
+    for number, stay in enumerate(((), ("a",), ("a", "b"), ("b",), ("b", "a"))):
+        snapshot: Any = SimpleNamespace(notices=stay, time=number / 2)
+        notices.show(snapshot)
+    log.close()
+    warnings = [json.loads(line) for line in path.read_text().splitlines()]
+    assert [(w["event"], w["what"]) for w in warnings] == [("warning", text) for text in "aba"]
+    assert [w["time_s"] for w in warnings] == [0.5, 1.0, 2.0]
+    assert said == ["a", "b", "a"]
 
 
 def has_lines(path: Path, count: int) -> bool:
