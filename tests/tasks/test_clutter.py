@@ -6,6 +6,9 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.distance import pdist
 
 from models.arithmetic import Array
 from models.objects import Cylinder
@@ -19,6 +22,7 @@ from tasks.variation import Variation, vary
 from tests.support.task_scene import TaskScene
 
 TABLET = Surface().centred_at((0.0, 0.0, 0.006))
+seeds = st.integers(0, 2**63 - 1)
 
 
 @pytest.mark.parametrize("book", ["book1", "book2"])
@@ -61,6 +65,54 @@ def test_a_die_counts_where_its_middle_is(inside: bool) -> None:
 def pairs(task: Task) -> Array:
     """(n, 2, 2) m, middles of the books, or of the pins of each gate."""
     return np.array([each.position[:2] for each in task.objects[1:]]).reshape(-1, 2, 2)
+
+
+def straight_path(task: Task) -> tuple[Array, Array]:
+    """Axes (2, 2) along and across the straight path from start to goal, and that path (2,) m."""
+    way = np.subtract(task.goals[0].position, task.objects[0].position)[:2]
+    x, y = way / np.linalg.norm(way)
+    return np.array([[x, y], [-y, x]]), way
+
+
+@given(seed=seeds)
+def test_gates_are_8_mm_to_either_side_of_the_straight_path_and_5_cm_apart(seed: int) -> None:
+    task = Slalom.draw(seed, TABLET)
+    axes, way = straight_path(task)
+    middles = (pairs(task).mean(axis=1) - task.objects[0].position[:2]) @ axes.T
+    assert sorted(middles[:, 1]) == pytest.approx([-0.008, 0.008])
+    assert 0.0 < middles[0, 0] == pytest.approx(middles[1, 0] - 0.050)
+    assert middles[1, 0] < np.linalg.norm(way)
+    assert np.diff(pairs(task) @ axes[0], axis=1) == pytest.approx(0.0)
+    on = TABLET.to_surface(np.array([each.position for each in task.objects]))
+    assert np.all(on >= 0.005 - 1e-9) and np.all(on <= TABLET.size - 0.005 + 1e-9)
+
+
+@given(seed=seeds)
+def test_the_path_leads_to_the_left_in_between_two_books_and_the_box_is_askew_to_it(
+    seed: int,
+) -> None:
+    task = Books.draw(seed, TABLET)
+    axes, _ = straight_path(task)
+    angle = np.arctan2(axes[0, 1], axes[0, 0])
+    assert 60.0 - 1e-9 <= np.rad2deg(angle) - 90.0 <= 75.0 + 1e-9
+    middles = (pairs(task)[0] - task.objects[0].position[:2]) @ axes.T
+    assert sorted(middles[:, 1]) == pytest.approx([-(GAP + BOOK[1]) / 2, (GAP + BOOK[1]) / 2])
+    # The box stands 4 cm inside of the gap.
+    assert middles[:, 0] - BOOK[0] / 2 == pytest.approx(-0.040)
+    box, *books = task.objects
+    assert np.cos(4 * (box.yaw - angle)) == pytest.approx(-1.0)
+    assert [np.cos(2 * (book.yaw - angle)) for book in books] == pytest.approx([1.0, 1.0])
+
+
+@given(seed=seeds)
+def test_twelve_dice_are_apart_outside_of_the_ring_and_away_from_the_border(seed: int) -> None:
+    task = Gather.draw(seed, TABLET)
+    places = np.array([die.position for die in task.objects])
+    assert len(places) == 12 and pdist(places).min() > 0.018
+    assert np.linalg.norm(places[:, :2] - task.ring.middle, axis=1).min() > 0.040 + 0.012
+    for place, border in (*((each, 0.028) for each in places), ([*task.ring.middle, 0.0], 0.055)):
+        on = TABLET.to_surface(place)
+        assert np.all(on >= border - 1e-9) and np.all(on <= TABLET.size - border + 1e-9)
 
 
 @pytest.mark.parametrize(

@@ -15,13 +15,17 @@ from models.surface import Surface
 from tasks.dial import (
     BORDER,
     KNOB,
+    RADIUS,
     SWEEP,
     TORQUE,
     TURN,
+    WRIST,
     Dial,
     DialUser,
+    KnobHandling,
 )
 from tasks.simulated_user.grasp import wrapped
+from tasks.simulated_user.user_hand import Hand
 from tasks.task import Measure, place_surface
 from tasks.user import SeenObject, Sight, UserConfiguration
 from tests.support.simulation import run
@@ -124,3 +128,20 @@ def test_the_user_sees_how_far_the_knob_has_to_turn_and_never_across_the_gap(
     user = DialUser(UserConfiguration(), SURFACE, 1)
     _, turn = user._missing(sight, sight.objects[KNOB])
     assert turn == pytest.approx(task.mark - angle, abs=1e-6)
+
+
+@pytest.mark.parametrize("fingers", [2, 3, 5])
+def test_a_grasp_is_around_the_rim_and_its_wrist_stays_within_reach(fingers: int) -> None:
+    task = Dial.draw(3, SURFACE)
+    knob = sight_of(task, -task.mark).objects[KNOB]
+    handling = KnobHandling(knob.shape)  # type: ignore[arg-type]
+    hand = Hand.draw(UserConfiguration(fingers=fingers), 3)
+    grasp = handling.grasp(knob, 2 * task.mark, hand)
+    places = grasp.places(np.zeros(2), 0.0, hand)
+    # A fingertip has a radius of 7 mm.
+    assert np.linalg.norm(places, axis=1) == pytest.approx(RADIUS + 0.007)
+    assert places[0] @ places[1:].mean(axis=0) < 0.0
+    off = wrapped(grasp.axis - hand.natural_axis)
+    made = handling.reach(knob, grasp, 2 * task.mark, hand)
+    assert max(abs(off), abs(off + made)) <= WRIST + 1e-9
+    assert abs(made) == pytest.approx(2 * WRIST)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pytest
@@ -98,6 +100,64 @@ def test_on_every_tablet_objects_are_apart_and_they_and_their_goals_are_on_the_s
 
 
 @pytest.mark.parametrize(
+    ("name", "edges", "grams", "aside", "yaw", "way", "turn"),
+    [
+        ("box-to-goal", (50, 50), (50, 250), 17, 45, (50, 100), 45),
+        ("slalom", (40, 40), (50, 150), 22, 45, (102, 114), 30),
+        ("books", (40, 40), (50, 150), 22, 180, (60, 60), 0),
+        ("stack", (40, 60), (50, 250), 12, 45, None, None),
+        ("stack-three", (40, 60), (50, 250), 12, 45, None, None),
+        ("stack-vertical", (40, 60), (50, 250), 20, 0, None, None),
+    ],
+)
+@settings(max_examples=20)
+@given(
+    seed=st.integers(0, 2**63 - 1),
+    size=st.sampled_from([size for size in PRESETS.values() if min(size) > 5.5]),
+)
+def test_boxes_and_their_goals_are_within_the_ranges_of_the_task_s_text(
+    name: str,
+    edges: tuple[int, int],
+    grams: tuple[int, int],
+    aside: int,
+    yaw: int,
+    way: tuple[int, int],
+    turn: int,
+    seed: int,
+    size: tuple[float, float],
+) -> None:
+    """In mm, g and degrees; `aside` is from the face of an unrotated box to the border."""
+    kind = find_task(name)
+    surface = place_surface(Surface(*size), kind)
+    task = kind.draw(seed, surface)
+    boxes: Any = [each for each in task.objects if each.name in ("box", "base", "second", "third")]
+
+    def check_place(position: Any, edge: float) -> None:
+        assert position[2] == pytest.approx(edge / 2000)
+        on, room = 1000 * surface.to_surface(position), edge / 2 + aside - 1e-6
+        inside = (on >= room) & (on <= 1000 * surface.size - room)
+        assert inside[0] and (inside[1] or surface.upright)
+
+    for box in boxes:
+        edge = 2000 * box.half_size[0]
+        assert len(set(box.half_size)) == 1
+        assert edges[0] - 1e-6 <= edge <= edges[1] + 1e-6
+        assert grams[0] <= 1000 * box.mass <= grams[1]
+        assert np.rad2deg(abs(box.yaw)) <= yaw + 1e-6
+        check_place(box.position, edge)
+    for a, b in combinations(boxes, 2):
+        apart = np.linalg.norm(np.subtract(a.position, b.position)[:2])
+        assert apart - a.half_size[0] - b.half_size[0] >= 0.030 - 1e-9
+    for goal in task.goals:
+        if not goal.on:
+            (box,) = boxes
+            check_place(goal.position, edge)
+            far = 1000 * np.linalg.norm(np.subtract(goal.position, box.position))
+            assert way[0] - 1e-6 <= far <= way[1] + 1e-6
+            assert np.rad2deg(abs(goal.yaw - box.yaw)) <= turn + 1e-6
+
+
+@pytest.mark.parametrize(
     "name", ["box-to-goal", "wrench-slide", "books", "slalom", "gather", "insert"]
 )
 def test_a_trial_is_won_by_objects_that_rest_where_their_goals_are_drawn(name: str) -> None:
@@ -185,6 +245,15 @@ def test_the_simulated_user_does_it(words: str) -> None:
     assert result.respawned == 0 and result.task_version == find_task(result.task).version
 
 
-@pytest.mark.parametrize("task", ["books --seed 7001", "insert --seed 6300"])
+@pytest.mark.parametrize(
+    "task",
+    [
+        "books --seed 7001",
+        "insert --seed 6300",
+        "stack --seed 2",
+        "wrench-slide --seed 3",
+        "wrench-turn --seed 3",
+    ],
+)
 def test_a_user_who_touches_at_random_does_not(task: str) -> None:
     assert not played(f"{task} --user random").success

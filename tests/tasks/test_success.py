@@ -8,12 +8,21 @@ from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
 from benchmarks.kept_trials import KeptTrials
 from benchmarks.success import load, trial
+from models.arithmetic import Array
 from models.errors import InputError
+from models.frames import Contact, TouchFrame
+from models.pose import JOINTS
+from models.scene import CONTROL_PERIOD
+from sandbox.trial.assembly import build
+from sandbox.trial.settings import Settings
+from tasks.score import Scorer
+from tests.support.scripted import Script
 
 
 def test_judged_seeds_follow_from_the_frozen_configuration_alone() -> None:
@@ -50,6 +59,57 @@ def test_what_ships_succeeds_in_95_of_100_judged_trials(fingers: int) -> None:
 def test_control_users_succeed_in_under_5_of_100_judged_trials(row: str) -> None:
     results = [trial(("box-to-goal", row, 3, seed)) for seed in judged_seeds(100)]
     assert sum(r["success"] for r in results) < 5
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("task", ["stack", "stack-three", "wrench-slide", "wrench-turn"])
+def test_random_touches_succeed_in_at_most_5_percent_of_40_judged_trials(task: str) -> None:
+    job = task, "user touches at random", 3
+    assert sum(trial((*job, seed))["success"] for seed in judged_seeds(40, task)) <= 2
+
+
+class Nonsense(Script):
+    """Contacts that come, go, jump and are cancelled at random."""
+
+    def __init__(self, size: Array) -> None:
+        super().__init__()
+        self.rng, self.size, self.places = np.random.default_rng(0), size, dict[int, Array]()
+
+    def poll(self, now: float) -> list[TouchFrame]:
+        gone = {i for i in self.places if self.rng.random() < 0.05}
+        cancelled = frozenset(i for i in gone if self.rng.random() < 0.5)
+        self.places = {
+            i: np.clip(
+                place + self.rng.normal(0.0, 0.1 if self.rng.random() < 0.01 else 0.004, 2),
+                0.0,
+                self.size,
+            )
+            for i, place in self.places.items()
+            if i not in gone
+        }
+        while self.rng.random() < 0.15 and len(self.places) < 8:
+            self.places[int(self.rng.integers(0, 10**6))] = self.rng.uniform(0.0, self.size)
+        contacts = tuple(Contact(i, *p.tolist()) for i, p in self.places.items())
+        return [TouchFrame(now, contacts, cancelled=cancelled)]
+
+
+@pytest.mark.parametrize("minutes", [0.25, pytest.param(10, marks=pytest.mark.full)])
+@pytest.mark.parametrize("impulse", [100.0, 0.5])
+def test_touches_without_any_sense_neither_diverge_nor_command_an_illegal_pose(
+    impulse: float, minutes: float
+) -> None:
+    session = build(
+        Settings().changed(impulse=impulse), (lambda task, surface: Nonsense(surface.size),)
+    )
+    skeleton = session.rigs[0].hand.skeleton
+    for _ in range(round(60 * minutes / CONTROL_PERIOD)):
+        session.advance()
+        joints = session.reconstructions[0].q[JOINTS]
+        assert np.all(joints > skeleton.lower - 1e-9) and np.all(joints < skeleton.upper + 1e-9)
+        if session.over:
+            # The trial has ended; the hand goes on.
+            session.scorer = Scorer(session.task)
+    assert np.isfinite(session.data.qpos).all()
 
 
 class Job(NamedTuple):
@@ -91,6 +151,19 @@ def test_a_run_that_is_resumed_plays_only_what_is_missing_after_a_torn_line(
     again.play(outcome, JOBS, 1)
     assert opened(file).done == {job: outcome(job) for job in JOBS}
     assert len(file.read_text().splitlines()) == 3
+
+
+def refused_third(job: Job) -> Outcome:
+    return forbidden(job) if job.number == 3 else outcome(job)
+
+
+def test_an_error_of_a_trial_ends_the_run_and_those_before_it_are_in_the_file(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "trials.jsonl"
+    with pytest.raises(AssertionError, match="played again"):
+        opened(file).play(refused_third, JOBS, 1)
+    assert list(opened(file).done) == JOBS[:2]
 
 
 def test_trials_that_are_kept_compressed_are_not_played_again(tmp_path: Path) -> None:

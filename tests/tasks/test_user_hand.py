@@ -57,6 +57,12 @@ def test_a_hand_of_any_size_has_its_fingers_on_an_arc_and_beside_each_other(
     assert min(np.hypot(*(a - b)) for a, b in combinations(tips, 2)) > NARROWEST
 
 
+@given(seed=people, size=st.floats(0.9, 1.6))
+def test_distances_of_fingers_grow_with_the_hand(seed: int, size: float) -> None:
+    one, other = np.array(hand_of(seed).tips), np.array(hand_of(seed, size=size).tips)
+    np.testing.assert_allclose(other, size * one)
+
+
 @given(seed=people, n=st.integers(2, 5), face=st.floats(0.005, 0.15))
 def test_as_many_fingers_touch_as_are_wanted_and_have_room(seed: int, n: int, face: float) -> None:
     hand = hand_of(seed, n)

@@ -31,7 +31,7 @@ from sandbox.study.design.reading import DesignError
 from sandbox.study.run.players import RunningAttempt, TrialRequest
 from sandbox.trial.assembly import build, device_makers, drawn
 from sandbox.trial.driver import open_trial
-from sandbox.trial.settings import encoded
+from sandbox.trial.settings import Settings, decoded, encoded
 from sandbox.trial.trial_options import TrialOptions, parse_variation, trial_settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.close_case import HEIGHT
@@ -132,7 +132,7 @@ def test_goals_of_scaled_stacks_lie_face_on_face(seed: int, k: float) -> None:
 
 
 @given(seeds, st.floats(0.001, 0.030), st.sampled_from([BoxToGoal, Stack, WrenchSlide]))
-def test_objects_start_just_so_far_away_on_the_surface_and_none_nearer_to_another(
+def test_objects_start_just_so_far_away_on_the_surface_and_none_nearer_to_another_or_its_goal(
     seed: int, way: float, kind: type[Task]
 ) -> None:
     surface = place_surface(Surface(), kind)
@@ -146,6 +146,9 @@ def test_objects_start_just_so_far_away_on_the_surface_and_none_nearer_to_anothe
     for i in range(len(new)):
         for j in range(i):
             assert np.linalg.norm(new[i] - new[j]) >= np.linalg.norm(old[i] - old[j])
+    if not task.goals[0].on:
+        goal = task.goals[0].position
+        assert np.linalg.norm(new[0] - goal) >= np.linalg.norm(old[0] - goal)
     assert moved.goals == task.goals
     assert vary(task, Variation(start=way), surface) == moved
 
@@ -162,6 +165,17 @@ def test_an_object_with_a_fixed_size_is_refused() -> None:
     with pytest.raises(InputError, match="one size only"):
         vary(task, Variation(size=0.9), FLAT)
     assert vary(task, Variation(mass=2.0), FLAT).objects[0].mass == 2.0 * task.objects[0].mass
+
+
+def test_a_task_without_room_is_refused_a_variation_of_it() -> None:
+    with pytest.raises(InputError, match="has no room that can be varied"):
+        vary(BoxToGoal.draw(1, FLAT), Variation(room=1.1), FLAT)
+
+
+@pytest.mark.parametrize("values", [[], "size", {"speed": 1.0}, {"size": 99.0}])
+def test_a_recording_with_a_variation_that_is_none_is_refused(values: Any) -> None:
+    with pytest.raises(InputError):
+        decoded({**encoded(Settings()), "variation": values})
 
 
 def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other() -> None:

@@ -312,6 +312,41 @@ def test_a_larger_wrench_sits_on_the_same_bolt_and_weighs_and_rubs_the_same(
         assert middle[2] - now.thickness / 2 == pytest.approx(BOLT_LIFT)
 
 
+@given(seed=seeds, k=st.floats(0.3, 3.0))
+@settings(max_examples=40)
+def test_a_larger_free_wrench_lies_on_the_table_about_the_same_middle(seed: int, k: float) -> None:
+    task = WrenchSlide.draw(seed, TABLET)
+    varied = vary(task, Variation(size=k), TABLET)
+    wrench: Any = varied.objects[0]
+    assert wrench.mass == task.objects[0].mass
+    places: Any = ((task.objects[0], wrench), (task.goals[0], varied.goals[0]))
+    for old, new in places:
+        x, y, _ = old.position
+        assert new.position == pytest.approx((x, y, wrench.thickness / 2))
+        assert new.yaw == old.yaw
+
+
+@given(seed=seeds, k=st.floats(1.0, 2.5), share=st.floats(0.0, 1.0))
+@settings(max_examples=20)
+def test_a_longer_handle_is_gripped_where_the_screen_has_room_during_the_whole_turn(
+    seed: int, k: float, share: float
+) -> None:
+    task = vary(WrenchTurn.draw(seed, TABLET), Variation(size=k), TABLET)
+    wrench: Any
+    (wrench,), (goal,) = task.objects, task.goals
+    sight = SeenObject(wrench, np.array(wrench.position), exp([0.0, 0.0, wrench.yaw]))
+    hand, turn = Hand.draw(UserConfiguration(), 0), goal.yaw - wrench.yaw
+    bolt = np.array(wrench.bolt_place(wrench.position[:2], wrench.yaw))
+    far = np.linalg.norm(bolt - wrench.position[:2])
+    far += handling_of(wrench).grasp(sight, turn, hand).grip
+    assert far <= GRIP - JAW + 1e-12
+    yaw = wrench.yaw + share * turn
+    on = TABLET.to_surface([*(bolt + far * np.array([np.cos(yaw), np.sin(yaw)])), 0.0])
+    # Nearer to the bolt there is as much room as the bolt itself has.
+    border = min(GRIP_BORDER, WrenchTurn.border) - 2e-4
+    assert np.all(on > border) and np.all(on < TABLET.size - border)
+
+
 @both
 @pytest.mark.parametrize("size", [0.5, 0.7, 1.4, 2.0])
 def test_a_wrench_of_any_size_is_at_its_goal_where_its_goal_is_drawn(
