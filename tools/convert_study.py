@@ -20,8 +20,7 @@ from typing import Any
 from models.errors import HandSandboxError, StudyError
 from sandbox.study.record.durable_files import make_folder, write_atomically
 from sandbox.study.record.folder import FILES, SITE, StudyFolder
-from sandbox.study.record.hash_chain import HASH, Record, chained_bytes
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import HASH, Record, chained_bytes, read_journal
 from sandbox.study.record.notes import (
     ANEW,
     ANONYMISED,

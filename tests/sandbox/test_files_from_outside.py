@@ -24,8 +24,7 @@ from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.hand.profiles import load_profile
 from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial, load_baseline
 from sandbox.regress.run_plan import Origin
-from sandbox.study.record.hash_chain import chained
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import chained, read_journal
 from sandbox.study.record.notes import read_notes
 from sandbox.study.record.state import SessionState
 from sandbox.study.share.masking import PersonMasking, shared_line

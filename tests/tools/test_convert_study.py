@@ -15,8 +15,7 @@ from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.recording.recording import read_stored
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.hash_chain import digest_of
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import digest_of, read_journal
 from sandbox.study.record.notes import read_notes
 from sandbox.study.record.records import RUNS
 from sandbox.study.run.simulated_study import simulate

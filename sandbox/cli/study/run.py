@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from sandbox.study.run.controls import Controls, Terminal
     from sandbox.study.run.forms import Forms, Poll
     from sandbox.study.run.players import TrialPlayer
-    from sandbox.study.run.session_camera import SessionCamera
+    from sandbox.study.run.run_device import SessionCamera
     from sandbox.study.run.study_page import StudyPage
     from sandbox.study.run.task_pictures import TaskPictures
     from sandbox.trial.settings import Settings
@@ -256,8 +256,7 @@ def _camera(
 ) -> SessionCamera | None:
     """The session's camera, which the first trial that needs it switches on; None without an
     engine."""
-    from sandbox.study.run.run_device import before_cameras
-    from sandbox.study.run.session_camera import SessionCamera
+    from sandbox.study.run.run_device import SessionCamera, before_cameras
 
     if engine is None:
         return None
@@ -297,9 +296,8 @@ def _play(
     pictures: TaskPictures | None,
 ) -> str:
     from sandbox.study.run.forms import TerminalForms
-    from sandbox.study.run.hand_calibration import hand_measurer
     from sandbox.study.run.page_forms import PageForms, measure_screens
-    from sandbox.study.run.run_device import person_devices, settings_fitter
+    from sandbox.study.run.run_device import hand_measurer, person_devices, settings_fitter
     from sandbox.study.run.runner import SessionRunner
 
     person, name = session.person, options.touches

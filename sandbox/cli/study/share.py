@@ -114,7 +114,7 @@ def _outside(study: StudyFolder, out: Path) -> None:
 
 
 def _bins(given: Sequence[str]) -> dict[str, float]:
-    from sandbox.study.share.groups import NARROWEST, WIDEST
+    from sandbox.study.share.masking import NARROWEST, WIDEST
 
     widths = {}
     for text in given:
@@ -134,7 +134,7 @@ def _bins(given: Sequence[str]) -> dict[str, float]:
 
 
 def _print_summary(done: Shared, out: Path, console: Console) -> None:
-    from sandbox.study.share.groups import SMALLEST
+    from sandbox.study.share.masking import SMALLEST
 
     people = counted(done.people, "participant")
     console.print(f"{escape(str(out))}: {people} without names or dates")

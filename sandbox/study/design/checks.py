@@ -18,7 +18,7 @@ from sandbox.study.design.balance import confounded, nearest_cycles, whole_cycle
 from sandbox.study.design.conditions import combinations, run_settings, tasks_of, values_of
 from sandbox.study.design.design import Design, Exclusion, Factor, Item, Level
 from sandbox.study.design.power import planned_tests
-from sandbox.study.design.reading import Mistake, Text, place_of
+from sandbox.study.design.reading import Mistake, Path, Text, TomlLines, place_of
 from sandbox.study.design.session_plan import (
     BreakStep,
     FormStep,
@@ -30,7 +30,6 @@ from sandbox.study.design.session_plan import (
     session_plan,
     trials_of,
 )
-from sandbox.study.design.toml_lines import Path, TomlLines
 from sandbox.study.measures.measures import find_measure
 from sandbox.words.words import LANGUAGES, base, words_of_studies
 

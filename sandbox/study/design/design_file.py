@@ -25,8 +25,7 @@ from sandbox.study.design.design import (
 )
 from sandbox.study.design.fields import END, JOINED, LISTED, SCHEMA, SHOWS, START
 from sandbox.study.design.questionnaires import read_form, read_item, scored_by_its_question
-from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
-from sandbox.study.design.toml_lines import TomlLines
+from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlLines, TomlTable
 from sandbox.study.measures.measures import (
     REMOVED,
     Measure,

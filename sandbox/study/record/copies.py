@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sandbox.study.record.hash_chain import HASH, follows
+from sandbox.study.record.journal import HASH, follows
 from sandbox.study.record.notes import PERSON_NOTES, site_notes, withdrawn
 from sandbox.study.record.records import RUNS
 

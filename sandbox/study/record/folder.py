@@ -34,8 +34,7 @@ from sandbox.study.record.durable_files import (
     remove_unfinished,
     write_atomically,
 )
-from sandbox.study.record.hash_chain import Record
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import Record, read_journal
 from sandbox.study.record.notes import (
     ANEW,
     ANONYMISED,

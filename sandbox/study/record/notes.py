@@ -21,8 +21,7 @@ from msgspec import Struct
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
 from sandbox.study.record.durable_files import study_error, write_atomically
-from sandbox.study.record.hash_chain import HASH, Record
-from sandbox.study.record.journal import check_texts, now
+from sandbox.study.record.journal import HASH, Record, check_texts, now
 from sandbox.study.record.records import Shared, Words, number_from_one, refuse_later_layout
 from sandbox.system.files import OPEN, sync_folder
 

@@ -18,8 +18,7 @@ from sandbox.study.design.session_plan import Step, TrialStep, session_plan, tri
 from sandbox.study.record.copies import JOURNAL
 from sandbox.study.record.durable_files import locked, make_folder, remove_unfinished, study_error
 from sandbox.study.record.folder import FILES, Participant, StudyFolder, design_files
-from sandbox.study.record.hash_chain import HASH, Record
-from sandbox.study.record.journal import Journal, SyncThread, cut_damage, read_journal
+from sandbox.study.record.journal import HASH, Journal, Record, SyncThread, cut_damage, read_journal
 from sandbox.study.record.notes import LOSS, SEALED, broken_seals, person_notes, seals_of
 from sandbox.study.record.records import (
     COMMAND,

@@ -18,7 +18,7 @@ from sandbox.study.design.session_plan import (
     TrialStep,
 )
 from sandbox.study.record import records
-from sandbox.study.record.hash_chain import Record
+from sandbox.study.record.journal import Record
 from sandbox.study.record.notes import EXCLUDE, INCLUDE
 from sandbox.trial.result import TrialResult
 

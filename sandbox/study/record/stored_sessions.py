@@ -10,8 +10,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.design.session_plan import Step, session_plan, trials_of
 from sandbox.study.record.copies import JOURNAL, session_folders
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.hash_chain import Record
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import Record, read_journal
 from sandbox.study.record.notes import person_notes
 from sandbox.study.record.records import RUNS
 from sandbox.study.record.state import SessionState, decisions_on

@@ -23,8 +23,7 @@ from sandbox.recording.recording import (
 )
 from sandbox.study.record.copies import JOURNAL, person_folders, session_folders
 from sandbox.study.record.durable_files import study_error, write_atomically
-from sandbox.study.record.hash_chain import digest_of
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import digest_of, read_journal
 from sandbox.study.record.state import SessionState, is_broken
 from sandbox.system.files import sync_folder
 from sandbox.trial.result import TrialResult

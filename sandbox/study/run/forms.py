@@ -1,13 +1,13 @@
 """Interface for texts and questions to a participant, with two implementations.
 
-This module has forms in the terminal and forms for a simulated participant. Forms on the page are
-in `sandbox.study.run.page_forms`.
+This module has the texts about a task, forms in the terminal, and forms for a simulated
+participant. Forms on the page are in `sandbox.study.run.page_forms`.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol
@@ -15,10 +15,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from models.errors import StudyError
-from sandbox.study.design.design import Form, Item
+from sandbox.study.design.design import Form, Item, PageSettings
 from sandbox.study.run.answers import Answers, Draft, question, read_answer
 from sandbox.study.run.controls import YES_OR_NO, Terminal
 from sandbox.words.words import words_in
+from tasks.task import summary
 
 Poll = Callable[[], None]
 """Called repeatedly while a form waits for the participant. It executes commands of the
@@ -43,6 +44,53 @@ class NewTask:
     goal: str
     practice: bool = False
     picture: str = ""
+
+
+def task_texts(
+    page: PageSettings, key: str, name: str, goal: str, language: str, words: Mapping[str, str]
+) -> tuple[str, str]:
+    """Title and goal of a task.
+
+    They come from the design; or else from the page's words in the language; or else from the task.
+
+    Args:
+        page: Settings of trials on the page.
+        key: The task as in the design: a name or a file.
+        name: Name of the task.
+        goal: The task's own summary.
+        language: Language of the participant.
+        words: Words of the page in this language, by key.
+    """
+    title = page.names.get(key, {}).get(language, words.get(f"task_{name}", _readable(name)))
+    return title, page.goals.get(key, {}).get(language, words.get(f"goal_{name}", goal))
+
+
+def task_hint(page: PageSettings, name: str, words: Mapping[str, str]) -> str:
+    """Text on how a task is done, in a language; empty unless the design shows hints.
+
+    Args:
+        page: Settings of trials on the page.
+        name: Name of the task.
+        words: Words of the page in this language, by key.
+    """
+    return words.get(f"how_{name}", words["how_any"]) if "hint" in page.shows else ""
+
+
+def texts_by_design(
+    page: PageSettings, key: str, language: str, words: Mapping[str, str]
+) -> tuple[str, str]:
+    """Title and goal of a task as in `task_texts`; each is empty if the design hides it."""
+    from tasks.registry import find_task
+
+    task = find_task(key)
+    title, goal = task_texts(page, key, task.name, summary(task), language, words)
+    return title if "task" in page.shows else "", goal if "goal" in page.shows else ""
+
+
+def _readable(task: str) -> str:
+    """Title from the name of a task: `box-to-goal` becomes `Box to goal`."""
+    words = task.replace("-", " ").replace("_", " ")
+    return words[:1].upper() + words[1:]
 
 
 class Forms(Protocol):

@@ -18,9 +18,9 @@ from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.design.design import PageSettings
+from sandbox.study.run.forms import task_hint, task_texts
 from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
 from sandbox.study.run.study_page import StudyPage, inches, is_too_small, lift_size_note
-from sandbox.study.run.task_texts import task_hint, task_texts
 from sandbox.trial.assembly import lifts
 from sandbox.trial.driver import TICK, LiveRun, View
 from sandbox.trial.logs import TimedDevice, Timing

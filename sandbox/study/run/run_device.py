@@ -1,35 +1,55 @@
-"""Devices of participants, and adaptation of trials to the size of the devices' surfaces."""
+"""Devices of participants: they are opened for each trial, and trials are adapted to the size of
+their surfaces.
+
+A camera stays open from the first trial that needs it to the end of the session. A hand over a Leap
+is measured before the first trial.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, cast
+import webbrowser
+from collections.abc import Callable, Mapping, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any, Literal, cast
 
-from models.errors import StudyError
+from encoders.paalm import Paalm
+from encoders.paalm.calibration import PAPER_FRAMES
+from encoders.paalm.calibration_file import calibration_to_json
+from models.errors import EncoderError, StudyError
+from models.frames import LandmarkFrame
 from models.surface import Surface
-from sandbox.devices.device import Device, Place, Sees
+from sandbox.devices.device import Closeable, Device, LandmarkDevice, Place, Sees
 from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.leap.leap import open_leap
 from sandbox.devices.registry import DeviceSettings, kind_of, named_device
 from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.webcam import webcam_choice
+from sandbox.devices.webcam.webcam import WebcamDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.record.folder import Participant
-from sandbox.study.run.forms import Poll
+from sandbox.study.run.forms import Forms, Poll
 from sandbox.study.run.page_player import on_both_screens, page_device, settings_for_screen
 from sandbox.study.run.runner import FitSettings, OpenDevices
-from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulated_study import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.assembly import DeviceMaker, DeviceMakers, shared_makers, with_lift
 from sandbox.trial.settings import Settings
+from sandbox.words.words import words_in
 from tasks.task import Task
 from tasks.user import UserConfiguration
 
 SLACK = 0.02
 """Largest relative difference in size between the design's surface and the device's surface."""
+TICK = 0.05
+"""Time (s) between two checks of inputs of the participant and the experimenter."""
+TRIES = 2
+"""At most so many frames of a Leap are read for each required frame, since up to half of them may
+not show an open hand."""
+AGAIN = "`{}` resumes the session at this step"
+"""Remedy in the error of a Leap that sends no data."""
 
 
 def person_devices(
@@ -190,3 +210,142 @@ def settings_fitter(
         return settings
 
     return fit
+
+
+def hand_measurer(
+    forms: Forms,
+    person: Participant,
+    address: str,
+    say: Callable[[str], object],
+    wanted: int = PAPER_FRAMES,
+    own: dict[str, str] | None = None,
+    again: str = "the same command",
+) -> Callable[[Poll], dict[str, Any]]:
+    """Returns a function that measures the participant's hand over a Leap, as in PAALM (2013).
+
+    The function repeats the measurement until the hand was held correctly. If the experimenter
+    skips it, an average hand is used. It raises a DeviceError if the service sends no data.
+
+    Args:
+        forms: Shows the instruction to the participant.
+        person: The participant.
+        address: Address of the Leap service.
+        say: Prints the result for the experimenter.
+        wanted: Number of required frames with five fingers; 1000 in the paper, about ten seconds.
+        own: The design's own words in the participant's language, by key.
+        again: Command that resumes the session; the error names it if the service sends no data.
+    """
+    text = words_in(person.language, own)["measure_hand"]
+    side = cast(Literal["right", "left"], person.hand)
+
+    def measure(poll: Poll) -> dict[str, Any]:
+        while True:
+            forms.instruct(text, poll)
+            device = open_leap(address)
+            try:
+                frames = islice(device.follow(poll, AGAIN.format(again)), TRIES * wanted)
+                calibration = Paalm().calibrate(frames, side, wanted)[side]
+            except EncoderError as error:
+                say(f"measuring again: {error}")
+                continue
+            finally:
+                device.close()
+            lengths = ", ".join(f"{1000 * length:.0f}" for length in calibration.standard)
+            say(
+                f"measured the {side} hand: fingers of {lengths} mm, from {calibration.frames} "
+                "frames"
+            )
+            return calibration_to_json(calibration)
+
+    return measure
+
+
+class SessionCamera(Closeable):
+    """The camera of a session: one page in a browser, which is opened when a trial first needs it,
+    and used for all further trials.
+
+    So the participant allows the camera only once. The camera stays on until the session ends, and
+    its page states this. Pictures between trials are discarded.
+
+    Args:
+        engine: Folder of the engine (`sandbox.devices.webcam.engine`).
+        sides: Sides of the hands that trials follow.
+        browse: True opens the page in this machine's browser; False only prints its link.
+        say: Prints a line for the experimenter.
+
+    Attributes:
+        mirrored: True if the camera's picture is mirrored; read when the page is opened.
+    """
+
+    def __init__(
+        self, engine: Path, sides: Sequence[str], browse: bool, say: Callable[[str], object]
+    ) -> None:
+        self.mirrored = False
+        self._engine, self._sides, self._browse, self._say = engine, sides, browse, say
+        self._device: WebcamDevice | None = None
+
+    def wait_until_on(self, poll: Poll) -> None:
+        """Waits until the page sends pictures, and prints the reason for a delay.
+
+        Args:
+            poll: See `Poll`; an exception from it ends the wait.
+
+        Raises:
+            DeviceError: The page cannot be served.
+        """
+        device = self._opened()
+        # Earlier pictures do not show that the camera is still on.
+        device.poll(0.0)
+        told: Sequence[str] = ()
+        while not device.wait(TICK):
+            poll()
+            if device.notices not in ((), told):
+                told = device.notices
+                self._say(", ".join(told))
+
+    def of_trial(self) -> LandmarkDevice:
+        """Returns the camera as the device of one trial; it stays on when the trial ends."""
+        device = self._opened()
+        device.poll(0.0)
+        return _StaysOn(device)
+
+    def close(self) -> None:
+        """Switches the camera off."""
+        if self._device is not None:
+            self._device.close()
+
+    def _opened(self) -> WebcamDevice:
+        if self._device is None:
+            self._device = WebcamDevice(self._engine, self._sides, self.mirrored)
+            self._say(f"the camera's page, on this machine only: {self._device.address}")
+            if self._browse:
+                webbrowser.open(self._device.address)
+        return self._device
+
+
+class _StaysOn(LandmarkDevice):
+    """A camera that stays on when a trial ends."""
+
+    lift = True
+
+    def __init__(self, camera: WebcamDevice) -> None:
+        self._camera = camera
+
+    @property
+    def name(self) -> str:
+        """Name of the camera."""
+        return self._camera.name
+
+    @property
+    def address(self) -> str:
+        """Address of the camera's page."""
+        return self._camera.address
+
+    @property
+    def notices(self) -> Sequence[str]:
+        """Notices of the camera."""
+        return self._camera.notices
+
+    def poll(self, now: float) -> Sequence[LandmarkFrame]:
+        """Landmarks of the pictures since the last call."""
+        return () if self.finished else self._camera.poll(now)

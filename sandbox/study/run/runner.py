@@ -26,9 +26,8 @@ from sandbox.study.design.session_plan import (
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.answers import Draft, still_allowed
 from sandbox.study.run.controls import Command, Controls
-from sandbox.study.run.forms import Forms, NewTask, Poll
+from sandbox.study.run.forms import Forms, NewTask, Poll, texts_by_design
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
-from sandbox.study.run.task_texts import texts_by_design
 from sandbox.study.tables.frame_table import FrameWriter
 from sandbox.study.tables.tables import bring_up_to_date
 from sandbox.trial.assembly import DeviceMakers

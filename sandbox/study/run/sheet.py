@@ -28,7 +28,7 @@ from sandbox.study.design.session_plan import (
     session_plan,
 )
 from sandbox.study.run.answers import question
-from sandbox.study.run.task_texts import texts_by_design
+from sandbox.study.run.forms import texts_by_design
 from sandbox.words.words import words_in
 
 STYLE = """

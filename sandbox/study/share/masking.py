@@ -1,9 +1,14 @@
-"""Masks records, notes, recordings and frames of a participant, so that they can be published.
+"""Masks records, notes, recordings and frames of a participant, so that they can be published, and
+counts the people with the same demographic values.
 
 Only fields that are declared as shared are included. Fields of records and notes are declared in
 `sandbox.study.record`, fields of recordings in `sandbox.recording` and `sandbox.trial`, and columns
 of frames in `sandbox.study.tables.frame_table`. A field that a later version adds is left out until
 it is declared as shared.
+
+A person with a unique combination of age, handedness and other values can be recognised despite the
+pseudonym. So numbers can be rounded down to bins, and the sizes of the groups of equal people are
+counted: k-anonymity (Sweeney 2002).
 """
 
 from __future__ import annotations
@@ -12,10 +17,12 @@ import csv
 import gzip
 import json
 import zlib
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime, timedelta
 from io import StringIO
+from math import floor
 from pathlib import PureWindowsPath
 from typing import Any
 
@@ -26,7 +33,7 @@ from models.json_input import checked, decoded_record
 from sandbox.recording.recording import SHARED_FIELDS
 from sandbox.recording.versions import SHARED_VERSIONS
 from sandbox.study.record.build import SHARED_BUILD
-from sandbox.study.record.hash_chain import Record
+from sandbox.study.record.journal import Record
 from sandbox.study.record.notes import FORMS
 from sandbox.study.record.records import COMMAND, FORM, RUNS, forms, shared_fields
 from sandbox.study.record.state import SessionClock
@@ -63,6 +70,14 @@ COMMANDS = ("pause", "go_on", "repeat", "begin_again", "skip", "exclude", "note"
 """Commands that stay in a copy."""
 LEFT_OUT = "left_out"
 """Command of the records that replace drafts of forms and records of unknown kinds."""
+
+SMALLEST = 5
+"""Number of people who should share each combination of values. This is a usual choice, and no
+guarantee."""
+DIGITS = 9
+"""Decimals of binned numbers."""
+NARROWEST, WIDEST = 1e-6, 1e6
+"""Smallest and largest width of a bin."""
 
 
 @dataclass(frozen=True)
@@ -253,3 +268,40 @@ def shared_frames(data: bytes) -> bytes:
 def _is_path(text: str) -> bool:
     looks = text.startswith(("/", "~", "../", "..\\", "\\\\")) or text[1:3] in (":\\", ":/")
     return looks and "\n" not in text
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Groups of people with equal values.
+
+    Attributes:
+        columns: The compared columns.
+        smallest: k, the size of the smallest group; 0 without people.
+        few: Combinations that fewer than `SMALLEST` people share, with the number of people.
+    """
+
+    columns: tuple[str, ...]
+    smallest: int
+    few: tuple[tuple[tuple[Any, ...], int], ...]
+
+    @property
+    def exposed(self) -> int:
+        """Number of people in groups that are too small."""
+        return sum(count for _, count in self.few)
+
+
+def groups(people: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> Groups:
+    """Groups people who have equal values in all given columns. Without columns, all people are one
+    group."""
+    counted = Counter(tuple(person.get(name) for name in columns) for person in people)
+    few = tuple((what, n) for what, n in counted.items() if n < SMALLEST)
+    return Groups(tuple(columns), min(counted.values(), default=0), few)
+
+
+def binned(value: Any, width: float) -> Any:
+    """A number rounded down to a multiple of a width; other values are returned unchanged."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    # Rounded before and after, since 0.7 / 0.1 is a little less than 7.
+    low = round(floor(round(value / width, DIGITS)) * width, DIGITS)
+    return int(low) if low == int(low) else low

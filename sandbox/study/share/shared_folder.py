@@ -33,8 +33,7 @@ from sandbox.study.record.durable_files import (
     write_atomically,
 )
 from sandbox.study.record.folder import SITE, StudyFolder, withdrawals_of, write_design
-from sandbox.study.record.hash_chain import HASH, Record
-from sandbox.study.record.journal import journal_bytes, read_journal
+from sandbox.study.record.journal import HASH, Record, journal_bytes, read_journal
 from sandbox.study.record.notes import (
     ANONYMISED,
     DECISIONS,
@@ -55,11 +54,14 @@ from sandbox.study.record.stored_sessions import (
     session_path,
 )
 from sandbox.study.record.trial_files import TRIALS, frames_of, recording_digest
-from sandbox.study.share.groups import SMALLEST, Groups, binned, groups
 from sandbox.study.share.masking import (
     HAND_SIZE,
     LEFT_OUT,
+    SMALLEST,
+    Groups,
     PersonMasking,
+    binned,
+    groups,
     shared_frames,
     shared_line,
     shared_note,

@@ -19,8 +19,7 @@ from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.record.build import code_digest
 from sandbox.study.record.copies import JOURNAL, SESSIONS, copies
 from sandbox.study.record.folder import FILES, Participant, StudyFolder, readable_design
-from sandbox.study.record.hash_chain import HASH, Record, digest_of
-from sandbox.study.record.journal import sound_records
+from sandbox.study.record.journal import HASH, Record, digest_of, sound_records
 from sandbox.study.record.notes import SEALED, Seal, broken_seals, read_notes, seals_of, withdrawn
 from sandbox.study.record.records import END, RUNS, TRIAL, TRIAL_END
 from sandbox.study.record.state import SessionState, is_broken

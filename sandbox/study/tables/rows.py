@@ -10,7 +10,7 @@ from sandbox.study.design.fields import LISTED
 from sandbox.study.design.scoring import score
 from sandbox.study.design.session_plan import FormStep, session_plan
 from sandbox.study.record import records as kinds
-from sandbox.study.record.hash_chain import Record
+from sandbox.study.record.journal import Record
 from sandbox.study.record.notes import DECISIONS, INCLUDE, RELEASE, REMARK
 from sandbox.study.record.state import SessionState, is_broken
 from sandbox.study.record.stored_sessions import StoredSession

@@ -18,28 +18,20 @@ from typing import TYPE_CHECKING
 from models.errors import InputError, StudyError
 from models.message import counted
 from sandbox.recording.recording import stored
-from sandbox.study.design.conditions import combinations
-from sandbox.study.design.fields import JOINED, LISTED
 from sandbox.study.record.durable_files import (
     locked,
     make_folder,
     remove_unfinished,
     write_atomically,
 )
-from sandbox.study.record.folder import Participant, StudyFolder, withdrawals_of
+from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import now
 from sandbox.study.record.stored_sessions import StoredSession, all_sessions, planned_trials
 from sandbox.study.record.trial_files import frames_of, pack
-from sandbox.study.tables.codebook import codebook, columns_by_table
+from sandbox.study.tables.codebook import codebook, columns_by_table, facts_of
 from sandbox.study.tables.column import (
-    CHANGE,
-    CONDITIONS,
-    EXPERIMENT,
-    MODE,
     TABLES,
-    TITLE,
     UXF_NAMES,
-    WITHDRAWALS,
     Column,
     Row,
     csv_bytes,
@@ -49,7 +41,6 @@ from sandbox.study.tables.column import (
 from sandbox.study.tables.frame_table import make_frames
 from sandbox.study.tables.rows import answer_rows, event_rows, participant_row, score_rows
 from sandbox.study.tables.trial_table import FILE_NAMES, exclude_person, trial_rows
-from sandbox.study.tables.upgrades import upgrades_of
 
 if TYPE_CHECKING:
     from sandbox.study.record.session_folder import SessionFolder
@@ -275,22 +266,7 @@ def _files(
     design = study.design
     columns = {name: _filled(of, rows[name]) for name, of in columns_by_table(design, rows).items()}
     files = {name: csv_bytes(rows[name], names_of(of), names) for name, of in columns.items()}
-    return {**files, CODEBOOK: codebook(design, columns, names, _facts(study))}
-
-
-def _facts(study: StudyFolder) -> dict[str, str]:
-    """Facts about a study that its report needs and that no table has, for the codebook."""
-    return {
-        EXPERIMENT: study.design.name,
-        **({TITLE: study.design.title} if study.design.title else {}),
-        MODE: study.mode,
-        CONDITIONS: LISTED.join(
-            JOINED.join(level.name for level in levels.values())
-            for levels in combinations(study.design)
-        ),
-        WITHDRAWALS: str(withdrawals_of(study.records())),
-        **{f"{CHANGE}{i}": text for i, text in enumerate(upgrades_of(study), start=1)},
-    }
+    return {**files, CODEBOOK: codebook(design, columns, names, facts_of(study))}
 
 
 def _filled(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:

@@ -19,7 +19,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.measures.measures import all_measures, find_measure, measure_trial
 from sandbox.study.measures.movement import throughput
-from sandbox.study.record.hash_chain import Record
+from sandbox.study.record.journal import Record
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.record.trial_files import frames_of
 from sandbox.study.tables.column import FACTOR, Column, Row, factor_columns

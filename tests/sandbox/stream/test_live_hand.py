@@ -11,7 +11,7 @@ from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.device import Device
-from sandbox.stream.live_hand import LiveHand
+from sandbox.stream.hand_sources import LiveHand
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings
 from tasks.task import Task

@@ -13,9 +13,8 @@ from sandbox.study.design.conditions import combinations, run_settings
 from sandbox.study.design.design import FILLED, Item
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.power import detectable, power
-from sandbox.study.design.reading import DesignError
+from sandbox.study.design.reading import DesignError, TomlLines
 from sandbox.study.design.session_plan import BreakStep, session_plan, trials_of
-from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.record.pseudonym import ALPHABET, new_pseudonym, read_pseudonym
 from sandbox.study.run.answers import read_answer
 from sandbox.study.run.forms import SimulatedForms

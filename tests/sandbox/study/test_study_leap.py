@@ -18,8 +18,7 @@ from sandbox.study.design.session_plan import CalibrationStep, TrialStep, sessio
 from sandbox.study.record.folder import PILOT, Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.run.hand_calibration import hand_measurer
-from sandbox.study.run.run_device import person_devices, settings_fitter
+from sandbox.study.run.run_device import hand_measurer, person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.trial.replay import replay

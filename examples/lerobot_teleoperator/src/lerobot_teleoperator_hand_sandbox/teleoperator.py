@@ -9,7 +9,7 @@ from rich.console import Console
 from models.errors import InputError
 from sandbox.cli.common.touch_options import TouchOptions
 from sandbox.play.page_touches import open_page_touches
-from sandbox.stream.live_hand import LiveHand
+from sandbox.stream.hand_sources import LiveHand
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 

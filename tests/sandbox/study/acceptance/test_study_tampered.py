@@ -15,7 +15,7 @@ import pytest
 from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.hash_chain import chained_bytes
+from sandbox.study.record.journal import chained_bytes
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.share.withdraw import withdraw
 from tests.support.study_driver import (

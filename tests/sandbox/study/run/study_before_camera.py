@@ -8,8 +8,7 @@ from sandbox.devices.registry import DeviceSettings
 from sandbox.study.record.folder import PILOT, StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.run_device import person_devices, settings_fitter
-from sandbox.study.run.session_camera import SessionCamera
+from sandbox.study.run.run_device import SessionCamera, person_devices, settings_fitter
 from tests.support.study_files import SHORT, design, play_session
 
 CAMERA = "fov=70,at=0/0.4/0.1"

@@ -20,8 +20,8 @@ from sandbox.devices.webcam.landmarks import message_of
 from sandbox.devices.webcam.webcam import CLOSED, WAITING
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.run.run_device import SessionCamera
 from sandbox.study.run.runner import SessionOutcome
-from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulated_study import simulate
 from sandbox.trial.replay import replay
 from tests.encoders.air.seen_hands import SIZE, held_up, seen

@@ -14,8 +14,7 @@ from models.errors import StudyError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.simulated_study import run_simulated, simulate
-from sandbox.study.share.groups import binned, groups
-from sandbox.study.share.masking import WITHHELD, without_folders
+from sandbox.study.share.masking import WITHHELD, binned, groups, without_folders
 from sandbox.study.share.shared_folder import Masking, Shared, share_study
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import DESIGN, TRIALS, design, quiet, rows_of

@@ -13,8 +13,7 @@ from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.recording.recording import read_stored
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.hash_chain import HASH, chained_bytes
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import HASH, chained_bytes, read_journal
 from sandbox.study.record.notes import SEALED, read_notes, write_notes
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
