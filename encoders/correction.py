@@ -56,7 +56,7 @@ class Corrected(NamedTuple):
 class _Seen:
     """Touching fingertips at a pose, and their Jacobian, which is computed on first use.
 
-    Until then, the kinematics must not place another pose.
+    Until the Jacobian is computed, the kinematics must not place another pose.
 
     Args:
         kinematics: Kinematics of the touching fingers.

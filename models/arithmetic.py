@@ -3,9 +3,9 @@
 Here, matrix products and solutions of linear equations add their terms in a fixed order. NumPy and
 SciPy use BLAS and LAPACK for these products and solutions; the order of the terms in BLAS and
 LAPACK depends on the processor. Numbers that become part of a simulation's state are therefore
-computed here. Small matrices use MuJoCo's
-own routines, whose results are the same for one version of MuJoCo and one architecture. Stacks of
-tiny matrices are computed term by term. Arrays for MuJoCo are float64 and C-contiguous.
+computed here. Small matrices use MuJoCo's own routines, whose results are the same for one version
+of MuJoCo and one architecture. Stacks of tiny matrices are computed term by term. Arrays for MuJoCo
+are float64 and C-contiguous.
 
 Transcendental functions of arrays call the system's libm for each number, as MuJoCo does. NumPy has
 several versions of these functions and chooses one for the processor; their last digits differ. A

@@ -7,8 +7,9 @@ which all of them are possible. The format's usual unit is used if it fits. Any 
 reported. A file is refused if no unit fits, or if several units other than the usual unit fit.
 `LiveUnits` does the same for a running device, which is never refused.
 
-The bounds of hand, finger and palm span less than the smallest ratio of two units (1 in = 2.54 cm),
-and bounds of times span less than 1000. So at most one unit fits. Sources of the bounds:
+The largest possible hand, finger or palm, divided by the smallest, is less than the smallest ratio
+of two units (1 in = 2.54 cm). For times, this ratio is less than 1000. So at most one unit fits.
+Sources of the bounds:
 
     hand      Hands are 165 mm (women, 5th percentile) to 211 mm (men, 95th) long in ANSUR (Gordon
               et al. 1989), and 100 mm at the age of two in Snyder et al. 1977. The largest known
@@ -81,7 +82,7 @@ Values = Sequence[float] | Array
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """Range of a quantity; an object is equal only to itself.
+    """Range of a quantity. Two objects are never equal, even with equal values.
 
     Attributes:
         name: Name of the quantity in messages.

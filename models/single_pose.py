@@ -2,8 +2,8 @@
 
 MuJoCo places the bones and differentiates fingertips and joints. So the result depends only on
 MuJoCo's version and the system's libm: NumPy adds and multiplies element by element, which every
-processor rounds alike. Results agree with those of `Kinematics` up to rounding.
-Captures and training use `Kinematics`, so their digests do not depend on this module.
+processor rounds alike. Results agree with those of `Kinematics` up to rounding. Captures and
+training use `Kinematics`, so their digests do not depend on this module.
 """
 
 from __future__ import annotations

@@ -37,7 +37,8 @@ _STEP = 0.030
 class PointingHandling(BoxHandling):
     """Handling of a box by a hand that points in the direction of movement, as far as possible.
 
-    The box is grasped across the two faces for which the hand's direction is nearest to it.
+    The box is grasped across the two faces for which the hand's direction is nearest to the
+    direction of movement.
 
     Attributes:
         way: Direction (rad) from start to goal; None until the user has seen both.

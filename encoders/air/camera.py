@@ -24,7 +24,8 @@ from models.frames import Vector
 DEFAULT_VIEW = 60.0
 """Horizontal field of view (degrees) that is assumed for a webcam with pictures of 4:3 if it is not
 given. Manufacturers state 60 to 78 degrees for pictures of 16:9. The 4:3 part of such a picture, at
-full height, has 47 to 63 if they mean its width, and 41 to 56 if they mean its diagonal."""
+full height, has 47 to 63 degrees if they state the angle across the width, and 41 to 56 if they
+state that across the diagonal."""
 VIEWS = (20.0, 150.0)
 """Smallest and largest accepted field of view (degrees). A value outside was probably mistyped."""
 FARTHEST = 3.0

@@ -1,7 +1,7 @@
 """The natural layout of five fingertips, which gives labels and yaw of four or five touches.
 
-The five fingertips of a hand form an arc with the thumb aside. Four or five touches, rotated and
-scaled for the best fit to that arc, give the fingers' labels and the hand's yaw without prior
+The five fingertips of a hand form an arc with the thumb aside. Four or five touches are rotated and
+scaled for the best fit to that arc. This gives the fingers' labels and the hand's yaw without prior
 knowledge of either, for a hand of any size from any side. (Labellers, which also label two or three
 fingers, need prior knowledge of the usual yaw of hands.)
 
@@ -11,8 +11,8 @@ The module also warns if a hand's yaw is outside the range of the encoder's trai
 are not rotation-invariant: in the training data, the device lies in front of the person, as in the
 paper. The yaw must be estimated from the touches. The yaw of the encoder's pose is unusable, since
 the encoder explains the touches of a turned hand by wrong fingers at the usual yaw. Two or three
-touches fit the natural layout in several ways, so their yaw follows from their labels. A hand that
-turns after it has come down is then still noticed.
+touches fit the natural layout in several ways, so their yaw follows from their labels. So a hand
+that turns after it has come down is still noticed.
 """
 
 from __future__ import annotations

@@ -2,10 +2,10 @@
 
 Frames come in blocks. Each block of terms and outputs [X Q] is stacked below the triangle of the
 previous blocks, and a QR decomposition reduces both to one triangle. The triangle contains all
-information that a fit needs. Its condition number is that of X; that of X'X would be the square. Up
-to rounding, the solution is that of the whole matrix. Frames of one finger set are reduced
-together, in the few monomials of that set (`encoders.regression.polynomial`), and the triangles of
-all sets are stacked at the end.
+information that a fit needs. Its condition number is that of X. The condition number of X'X would
+be the square of it. Up to rounding, the solution is that of the whole matrix. Frames of one finger
+set are reduced together, in the few monomials of that set (`encoders.regression.polynomial`), and
+the triangles of all sets are stacked at the end.
 """
 
 from __future__ import annotations

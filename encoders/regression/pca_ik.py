@@ -22,8 +22,8 @@ Compliance. As damping, each step minimises
 in centimetres and radians. Damping acts on the step, not on the distance from the start, so that
 fingertips reach their touches in the end ("tries to fit the target position excessively"). In these
 units, 100 iterations come close to the target, as the paper found. In metres and radians, or in
-centimetres and degrees, 100 iterations would hardly change the rotations. As softness, the
-mechanical meaning (a more compliant part moves more), the costs are 1 / 0.1 and 1 / 25 instead.
+centimetres and degrees, 100 iterations would hardly change the rotations. The mechanical meaning of
+compliance is softness: a more compliant part moves more. The costs are then 1 / 0.1 and 1 / 25.
 
 Start. The paper uses the nearest neighbour to label the fingers. Here inverse kinematics starts
 from the neighbour's pose as well, and the components are directions in which this pose changes.

@@ -235,7 +235,7 @@ class TrajectoryView:
         views = [s.hands[number] for s in self._snapshots]
         qpos = np.array([s.qpos[self._scene.qpos_slice(number)] for s in self._snapshots])
         at = self._scene.qpos_slice(number)
-        qpos = qpos.reshape(len(views), at.stop - at.start)  # Also without a single moment.
+        qpos = qpos.reshape(len(views), at.stop - at.start)  # Correct for no moment, too.
         return HandTrajectory(
             self._scene.spec.hands[number].coordinates(qpos),
             np.array([view.target for view in views]),

@@ -342,7 +342,8 @@ _PIECE = 1 << 16
 
 
 def stored(path: Path) -> Path:
-    """Returns the file of a recording: the compressed file if only this file exists, or `path`."""
+    """Returns the file of a recording: the compressed file if only this file exists, else
+    `path`."""
     packed = Path(f"{path}{SUFFIX}")
     return packed if not path.exists() and packed.exists() else path
 

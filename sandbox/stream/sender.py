@@ -199,9 +199,9 @@ class Sender:
             finally:
                 self.connected.clear()
             if commands != 1:
-                # The next connection may be to another program, which needs the greeting. With
-                # exactly one command, it is the same port, which dies while answering. If it got
-                # the greeting each time, no other command would ever be sent.
+                # The next connection may be to another program, which needs the greeting. But if
+                # exactly one command was sent, it is to the same port, which dies while answering.
+                # If this port got the greeting each time, no other command would ever be sent.
                 self._greeted = 0
             if commands:
                 pause = FIRST_PAUSE

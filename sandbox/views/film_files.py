@@ -230,7 +230,7 @@ def durations(frames: int, fps: float, unit: int, stride: int = 1) -> list[int]:
         frames: Number of frames of the film.
         fps: Frames per second of the film.
         unit: Unit of durations in the format, ms.
-        stride: The file has one of this number of frames, and shows it for all of them.
+        stride: The file has one in this number of frames, and shows it for the time of all of them.
     """
     starts = [*range(0, frames, stride), frames]
     ends = [round(i * 1000.0 / fps / unit) * unit for i in starts]

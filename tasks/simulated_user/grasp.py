@@ -95,7 +95,7 @@ class Grasp:
         c = hand.configuration
         # At most the span of a real hand.
         reach = min(self.width / 2 + _TIP_RADIUS + gap, 0.5 * c.longest_span * c.hand_size)
-        # The row begins with the index finger, the leftmost finger if the thumb is lower left.
+        # The row begins with the index finger. It is leftmost if the thumb is at the lower left.
         row = hand.row(self.fingers)
         farther = row[:, 1:] if gap >= 0.0 else np.minimum(row[:, 1:], _HOLDS)
         fingers = centre + (reach + farther) * along + row[:, :1] * across

@@ -159,7 +159,7 @@ _SAMPLE = 48
 """Number of frames from which the unit of time is found, and number of frames with a hand from
 which the unit of length is found."""
 _APART = 8
-"""One of this number of frames with a hand is measured."""
+"""One in this number of frames with a hand is measured."""
 _REGULAR = 0.8
 """Frames count as numbered if this share of the differences between their numbers is equal."""
 

@@ -41,8 +41,8 @@ WHEEL_TURN = np.deg2rad(3.0)
 NARROWEST, WIDEST = 0.008, 0.200
 """Limits (m) of the opening."""
 PENDING = 4096
-"""Largest number of frames that wait for the session, from a minute of moving; if there are more,
-the oldest are dropped."""
+"""Largest number of frames that wait for the session, about those of a minute of moving. If there
+are more, the oldest are dropped."""
 
 
 @dataclass

@@ -28,7 +28,8 @@ class Split:
     """Base class: how the frames of a device are divided between two hands. Here both get all.
 
     Attributes:
-        at_every_poll: True: the device is polled whenever a hand is. False: once for both hands.
+        at_every_poll: True polls the device at every poll of a hand; False polls it once for both
+            hands.
     """
 
     at_every_poll = False

@@ -119,7 +119,7 @@ def rows_of(design: Design, participant: int) -> tuple[int, ...]:
 
 
 def cycle_line(design: Design) -> str:
-    """A line with the number of participants of a full cycle, and the factors of that number."""
+    """A line with the number of participants in a full cycle, and the orders of each factor."""
     parts = [
         f"{cycle_of(f)} {'groups' if f.order == 'between' else 'orders'} of {f.name}"
         for f in design.factors
@@ -160,7 +160,7 @@ def confounded(design: Design, people: int) -> list[str]:
 
 
 def _rounds(design: Design, first: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """Rows of all rounds of a participant: with `repeat_inside`, each round has the next orders."""
+    """Rows of a participant's orders by round; with `repeat_inside`, each round takes the next."""
     if not design.repeat_inside:
         yield first
         return
@@ -173,7 +173,7 @@ def _rounds(design: Design, first: tuple[int, ...]) -> Iterator[tuple[int, ...]]
 
 
 def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ...]) -> str:
-    """A line on what is confounded with these factors in the rows of some people; else empty."""
+    """What is confounded with these factors in the rows of some people; empty if nothing is."""
     factors = [design.factors[i] for i in some]
     names = " x ".join(factor.name for factor in factors)
     if len(factors) == 1 and factors[0].order == "between":
@@ -194,7 +194,7 @@ def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ..
 
 
 def _places(factor: Factor, row: int) -> list[tuple[int, int, int]]:
-    """(list, place, level) of one order.
+    """The (list, place, level) of each level in one order.
 
     A nested factor has a list of levels for each outer level; any other factor has one list.
     """
@@ -220,5 +220,5 @@ def _joint(orders: list[list[list[tuple[int, int, int]]]]) -> Iterator[tuple[obj
 
 
 def _even(counts: Mapping[Any, int], cells: int) -> bool:
-    """True if so many cells were used, and all of them equally often."""
+    """True if `cells` different cells were used, and all of them equally often."""
     return len(counts) == cells and len(set(counts.values())) == 1

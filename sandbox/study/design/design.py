@@ -214,7 +214,7 @@ class Design:
     path: Path
 
     def language_of(self, asked: str) -> str:
-        """A language of the design; the first one if `asked` is empty.
+        """The language `asked`, if the design has it; the first language if `asked` is empty.
 
         Raises:
             StudyError: The design has no texts in the language.

@@ -193,7 +193,7 @@ def _choices(table: TomlTable) -> tuple[str, ...]:
 
 
 def _item_table(table: TomlTable, **values: Any) -> TomlTable:
-    """A table at the path of a question that has only the given values."""
+    """A table with only the given values, at the path of a question."""
     return TomlTable(table.reader, values, table.path, ("items",))
 
 
@@ -213,7 +213,8 @@ def _means(table: TomlTable, choices: tuple[str, ...]) -> tuple[Text, ...]:
 
 
 def _wording(table: TomlTable) -> Text:
-    """Where the wording comes from, by language: the file has one word for all, or a table."""
+    """Where the wording comes from in each language; the file has one word, or a table by
+    language."""
     languages = table.reader.languages
     own = table.field("wording").default
     given = table.raw("wording", own)

@@ -177,7 +177,7 @@ class _Plan:
         # has one level a session, all sessions share one order, and each session is a place in it.
         one_a_session = any(factor.one_a_session for factor in design.factors)
         self._moved = 0 if one_a_session else session - 1
-        # Added to the parts of all seeds in sessions after the first.
+        # In sessions after the first, these values are added to the parts of every seed.
         self._later: tuple[object, ...] = () if session == 1 else ("session", session)
         self._trial = self._block = self._in_block = self._count = 0
         self._levels: dict[str, Level] = {}
@@ -209,7 +209,8 @@ class _Plan:
         return not sessions or self._session in sessions
 
     def _factor(self, depth: int, moved: int, repetition: int) -> Iterator[Step]:
-        """Steps within the levels chosen so far; `moved` is added to the rows of all orders."""
+        """Steps of the factors from `depth` on, within the chosen levels; rows are moved by
+        `moved`."""
         design = self._design
         if depth == self._round and not repetition:
             for again in range(1, design.repetitions + 1):

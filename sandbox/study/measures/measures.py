@@ -90,7 +90,7 @@ Of = Callable[[TrialArrays, TrialResult], Value]
 
 
 def _group(function: Callable[[TrialArrays], dict[str, Any]], name: str) -> Of:
-    """A function for `Measure.of`: one value of a group that `function` computes once a trial."""
+    """A function for `Measure.of` that returns one value of a group, computed once a trial."""
     return lambda trial, result: trial.once(function).get(name)
 
 

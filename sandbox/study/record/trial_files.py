@@ -139,8 +139,8 @@ def _sessions(path: Path) -> list[Path]:
 
 
 def _trial(session: Path, name: str) -> list[Path]:
-    """The recording of the attempt with this name; for a name without an attempt number, of the
-    attempt that counts. Empty if there is none."""
+    """The recording of the attempt with this name. If the name has no attempt number, it is that of
+    the attempt that counts. Empty if there is no recording."""
     exact = session / TRIALS / f"{name}.jsonl"
     if "." not in name:
         counted = SessionState.of(read_journal(session / JOURNAL)).counted(int(name[1:]))

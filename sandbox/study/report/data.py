@@ -182,7 +182,7 @@ class Values:
     limits: tuple[frozenset[float], ...] = ()
 
     def cells_of(self, factor: ObservedFactor, level: str) -> list[int]:
-        """Indices of the conditions with a level."""
+        """Indices of the conditions that have this level."""
         return [i for i, of in enumerate(self.levels) if of.get(factor.name) == level]
 
     def by_level(self, factor: ObservedFactor) -> Array:

@@ -39,7 +39,7 @@ LEFT = 0.1
 
 _STREAM = 7_106
 DAYS = 16
-"""The number of the session, from 0, is shifted by so many bits and combined with a seed (XOR)."""
+"""Number of bits by which the session's number, from 0, is shifted before XOR with a seed."""
 
 
 def simulated_person(design: Design, number: int) -> dict[str, Any]:

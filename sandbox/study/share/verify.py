@@ -266,8 +266,8 @@ def _check_recordings(done: Verified, session: _Read) -> list[Path]:
 
 
 def _is_right(done: Verified, path: Path, digest: str | None) -> bool:
-    """True if a recording matches the digest in its record. Otherwise a finding is added, unless
-    there is no recording, and the record states that there is none."""
+    """True if a recording matches the digest in its record. Otherwise a finding is added, except
+    for a missing recording whose record states that there is none."""
     files = [p for p in (path, path.with_name(path.name + SUFFIX)) if p.exists()]
     if digest in (None, LEFT_OUT):
         for file in files:

@@ -276,7 +276,7 @@ class Window(Closeable):
         return asked
 
     def take_contact(self) -> bool:
-        """Returns True if the person has requested the next contact mode; each request once."""
+        """True if the person has requested the next contact mode; each request is returned once."""
         asked, self._contact = self._contact, False
         return asked
 
