@@ -38,10 +38,10 @@ class EvaluateOptions:
     `sandbox train` makes from the training data, with the built-in labeller), FILE.npz (a model by
     `sandbox train`), or FILE.py:CLASS (an encoder of your own, docs/write-an-encoder.md).
 
-    Without --capture, encoders are trained on day 0 of a SIMULATED person and tested on --days
-    other days of the same person, which the subject's configuration and --day-seed choose. This
-    gives smaller errors than in use, where the hand is that of another person: docs/encoding.md has
-    the errors for other people. docs/evaluation.md defines all measures.
+    Without --capture, encoders are trained on day 0 of a SIMULATED person and tested on other days
+    of the same person. --days is their number, and --day-seed chooses them. This gives smaller
+    errors than in use, where the hand is that of another person: docs/encoding.md has the errors
+    for other people. docs/evaluation.md defines all measures.
 
     Try:
 
@@ -98,9 +98,9 @@ class PaalmJudgeOptions:
     (v3). The frozen configuration determines the people. FOLDER: recordings. Their ground truth is
     either the bones that the device reports, if PIP and DIP are independent (in v2 they are equal
     by construction), or the poses that `sandbox devices leap simulate` wrote beside the frames.
-    Recordings of the first software have no ground truth. Their poses that are impossible for a
-    real hand are counted twice: with the whole recording known, and as for a live device. The
-    method as printed in the paper is measured only on the device of the paper.
+    Recordings of the first software have no ground truth. In these recordings, the poses that are
+    impossible for a real hand are counted in two ways: with the whole recording known, and as for a
+    live device. The method as printed in the paper is measured only on the device of the paper.
 
     Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
     """

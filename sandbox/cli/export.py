@@ -114,9 +114,10 @@ class ExportOptions:
     the open hand in the recording, the bones that the device reports, or an average hand."""
 
     unit: Annotated[str, Parameter(metavar="UNIT,...")] = ""
-    """Units of a recording of a Leap or a camera, such as cm,ms: m, cm, mm or in; s, ms, us or ns;
-    px or 0..1 for places in a picture. Default: units for which the hand has a possible size and
-    the frames a possible rate. These units are reported if they differ from the format's units."""
+    """Units of a recording of a Leap or a camera, such as cm,ms. Lengths: m, cm, mm or in. Times:
+    s, ms, us or ns. Places in a picture: px or 0..1. Default: units for which the hand has a
+    possible size and the frames a possible rate. These units are reported if they differ from the
+    format's units."""
 
     euler: Order = "ZXY"
     """Order of the rotations in a BVH file. The first axis is always that of flexion. The last axis
@@ -323,7 +324,7 @@ def _of_study(file: Path, folder: Path) -> bool:
 
 
 def _counting(sessions: set[Path]) -> dict[Path, set[str]]:
-    """Returns the names of the recordings of valid attempts, by session, for those with a journal.
+    """Returns, for each session with a journal, the names of the recordings of valid attempts.
 
     Raises:
         StudyError: A journal is damaged.

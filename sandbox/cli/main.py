@@ -1,4 +1,4 @@
-"""`sandbox COMMAND ...`: runs the command's module; alone, it lists commands, tasks and devices."""
+"""`sandbox COMMAND ...` runs the command's module; `sandbox` lists commands, tasks and devices."""
 
 from __future__ import annotations
 

@@ -45,11 +45,12 @@ class RegressOptions(SecondOptions, ConditionOptions):
     Options of `sandbox run`, such as --bare or `--impulse safe`, are accepted and apply to all
     trials.
 
-    Exit status 0: all trials were run and the gate holds. Without a baseline, trials that fail do
-    not change it. Values of --vary that break a task never do. 1: a loss of success or time beyond
-    chance (exact tests over paired seeds, alpha 0.02, Holm over tasks), more crashed trials than
-    --allow-crashes permits, or, with --exact, a state that differs although the fingerprint is the
-    baseline's. 2: bad input, reported in one line. 130: stopped by Ctrl-C. 143: stopped by SIGTERM.
+    Exit status 0: all trials were run and the gate holds. Trials that fail without a baseline, and
+    values of --vary that break a task, do not change this status. 1: a loss of success or time
+    beyond chance (exact tests over paired seeds, alpha 0.02, Holm over tasks), more crashed trials
+    than --allow-crashes permits, or, with --exact, a state that differs although the fingerprint is
+    the baseline's. 2: bad input, reported in one line. 130: stopped by Ctrl-C. 143: stopped by
+    SIGTERM.
 
     With --json or --junit, every trial is written as it ends to a file beside the report, such as
     report.trials.jsonl. If the run is stopped or killed, the same command with --resume continues.

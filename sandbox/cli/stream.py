@@ -109,7 +109,7 @@ KEY_PATIENCE = 10.0
 @dataclass(frozen=True)
 class _File:
     """Positional argument of the command. The class is the last base of the options, so that its
-    field is the first one, as a positional argument must be."""
+    field comes first, as a positional argument must."""
 
     file: Annotated[Path | None, Parameter(metavar="RECORDING|TRIAL|CAPTURE")] = None
     """A recording (--record), a trial of a study, a capture (.npz), or a recording of a Leap. Or

@@ -158,10 +158,10 @@ class UnitOptions:
     """Option for the units of a recording made by another program."""
 
     unit: str = field(default="", metadata={"metavar": "UNIT,..."})
-    """Units of a recording, such as cm,ms: m, cm, mm or in; s, ms, us or ns; px or 0..1 for places
-    in a picture. Default: units for which the hand has a possible size, or the touches lie on the
-    surface, and the frames have a possible rate. These units are reported if they differ from the
-    format's units."""
+    """Units of a recording, such as cm,ms. Lengths: m, cm, mm or in. Times: s, ms, us or ns. Places
+    in a picture: px or 0..1. Default: units for which the hand has a possible size, or the touches
+    lie on the surface, and the frames have a possible rate. These units are reported if they differ
+    from the format's units."""
 
 
 @dataclass(frozen=True, kw_only=True)

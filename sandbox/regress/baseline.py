@@ -392,7 +392,7 @@ def update(
 ) -> Baseline:
     """Writes the trials of a run into a baseline file. Other tasks in the file stay.
 
-    The file is read again before, since another run may have written its tasks in between; see
+    The file is read again before it is written, since another run may have added its tasks; see
     `Baseline.updated`.
 
     Raises:

@@ -161,7 +161,7 @@ def _blocked_below() -> Iterator[None]:
 class _Cores:
     """Counts the cores of a cluster, at most every `LOOK_EVERY` seconds.
 
-    It detects that a cluster has lost all its cores for a long time.
+    It detects when a cluster has had no core for a long time.
     """
 
     def __init__(self, ray: Any) -> None:

@@ -263,5 +263,5 @@ def _critical_cached(pairs: int, level: float) -> tuple[int, ...]:
 
 
 def _critical(pairs: int, level: float) -> NDArray[np.int64]:
-    """(pairs + 1,) smallest significant number of losses among 0, 1, 2 ... pairs that differ."""
+    """(pairs + 1,): smallest significant number of losses for 0, 1, 2 ... pairs that differ."""
     return np.array(_critical_cached(pairs, level))

@@ -164,8 +164,8 @@ class Unfinished:
 
     Attributes:
         task: Name of the task.
-        kind: Kind of variation; None if the unvaried trials of the task are unfinished, and with
-            them all its later trials.
+        kind: Kind of variation; None if the task's trials without variation are unfinished; all its
+            later trials are then unfinished, too.
         values: Remaining values in its unit, in the order in which they would be run; empty if no
             values were given.
         ended: Number of trials that have ended.

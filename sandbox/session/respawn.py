@@ -40,7 +40,8 @@ elsewhere than at its start."""
 ROOM = 0.005
 """Smallest gap (m) between an object that is put down and its neighbours."""
 BESIDE_GOAL = 0.030
-"""Smallest distance (m) from a goal to a place that is nearer to the goal than the object's start.
+"""Smallest distance (m) from every goal to a place for an object, if the place is nearer to a goal
+than the object's start.
 """
 GRID = 0.010
 """Distance (m) between two candidate places."""

@@ -384,9 +384,9 @@ class SecondOptions:
 
     second_device: Annotated[str | None, Parameter(group=SECOND, metavar="DEVICE")] = None
     """Device of a second hand; web opens a separate page for this hand. A second --device, --hand,
-    --hand-size, --turn or --user means the same as the option with --second. The first hand is at
-    the right, unless it is a left hand and the second hand is a right hand. Tasks for two hands
-    always have a second hand."""
+    --hand-size, --turn or --user means the same as --second-device, --second-hand and so on. The
+    first hand is at the right, unless it is a left hand and the second hand is a right hand. Tasks
+    for two hands always have a second hand."""
 
     second_hand: Annotated[Literal["right", "left"] | None, Parameter(group=SECOND)] = None
     """Side of the second hand. Default: the opposite of the first hand."""

@@ -37,8 +37,8 @@ class LeapConfiguration:
             thumb. In the recording, the greatest lengths are 71 to 82 mm for index, middle and ring
             finger and 52 to 55 mm for the thumb. An average hand has these lengths if about these
             shares are left out.
-        seen: Share of the remaining finger that is seen, from the tip on, at each of `QUANTILES`.
-            It does not depend on how far the finger is bent.
+        seen: Share of the finger, without its hidden part, that is seen from the tip on, at each of
+            `QUANTILES`. It does not depend on how far the finger is bent.
         seen_seconds: Time constant with which this share changes smoothly.
         seen_alike: Correlation between the shares of two fingers.
         length_slow: Standard deviation of slow errors of a length, as a share of the length.

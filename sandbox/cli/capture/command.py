@@ -133,10 +133,10 @@ class CaptureOptions:
     the surface."""
 
     unit: Annotated[str, Parameter(metavar="UNIT,...")] = ""
-    """Units of the recording, such as cm or cm,ms: m, cm, mm, in, or a number of metres; s, ms, us
-    or ns. Default: cm for BVH, mm for Vicon and markers, the skeleton's unit for .amc; and seconds.
-    If these make the hand's size or the frames' rate impossible, possible units are used and
-    reported."""
+    """Units of the recording, such as cm or cm,ms. Lengths: m, cm, mm, in, or a number of metres.
+    Times: s, ms, us or ns. Default: cm for BVH, mm for Vicon and markers, the skeleton's unit for
+    .amc; and seconds. If these make the hand's size or the frames' rate impossible, possible units
+    are used and reported."""
 
     scale: float = 1.0
     """Size of the hand in a CSV file relative to the program's adult hand. In other formats, the

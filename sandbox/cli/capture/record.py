@@ -91,8 +91,8 @@ def record_session(
         guide: Guides the person through sets of fingers; None to record until it is stopped.
         naming: Labels touches by the fingertips that a camera sees; None with a Leap.
         seconds: Time after which recording ends, s.
-        late: Delays (s) of touches and of hands before their first frame, for two files of one
-            session that play as devices; one of the delays is 0.
+        late: Delays (s) of the first touch frame and of the first hand frame, if two files of one
+            session play as devices. One of the delays is 0.
     """
     console = Console(stderr=True)
     late_touches, late_hands = late

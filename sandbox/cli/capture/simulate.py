@@ -55,7 +55,7 @@ def write_simulated_camera(
     subject: str,
     corners: bool = False,
 ) -> None:
-    """Writes a session under a camera and its ground truth.
+    """Writes a session under a camera, and the ground truth of the session.
 
     Args:
         session: The simulated touches and hand.

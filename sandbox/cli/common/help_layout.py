@@ -19,8 +19,8 @@ class HelpLayout(DefaultFormatter):
     """Layout of cyclopts, without the options of devices that are not named.
 
     Args:
-        named: Words of the command line, and default values of options. A device is named by its
-            name, also as part of a longer one: `leap-simulated:v1` names `leap`.
+        named: Words of the command line, and default values of options. A word also names the
+            device with which it begins: `leap-simulated:v1` names `leap`.
     """
 
     def __init__(self, named: Iterable[str]) -> None:

@@ -92,7 +92,7 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
     Raises:
         InputError: The device or file is missing or cannot be opened.
     """
-    # Commands that open no touches import this module for its options: import the readers late.
+    # Commands that open no touches also import this module: import the readers late.
     from sandbox.devices.files.touch_files import Opened, guessed_surface, open_file
 
     given = parse_surface(options.surface) if options.surface else None

@@ -47,9 +47,9 @@ class ShareOptions:
     copy."""
 
     keep_hands: bool = False
-    """Keep recordings that reveal the shape of a hand: of hands in the air, which contain the
-    lengths of fingers; of hands whose exact size fewer than five participants have; and of sessions
-    that learn layouts of fingers."""
+    """Keep recordings that reveal the shape of a hand. These are recordings of hands in the air,
+    which contain the lengths of fingers; of hands whose exact size fewer than five participants
+    have; and of sessions that learn layouts of fingers."""
 
     drop: Annotated[tuple[str, ...], Parameter(metavar="ITEM")] = ()
     """Demographic item to leave out; may be repeated."""

@@ -275,7 +275,7 @@ class Show(TouchOptions):
 @dataclass(frozen=True)
 class _NewFile:
     """Positional argument of the command. The class is the last base of the options, so that its
-    field is the first one, as a positional argument must be."""
+    field comes first, as a positional argument must."""
 
     file: Annotated[Path, Parameter(metavar="FILE")]
     """File for the recording; an existing file is never overwritten."""

@@ -33,7 +33,7 @@ _LONGEST_SLEEP = 1.0
 @dataclass(frozen=True)
 class _File:
     """Positional argument of the command. The class is the last base of the options, so that its
-    field is the first one, as a positional argument must be."""
+    field comes first, as a positional argument must."""
 
     file: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """File to send. With --tuio, --device may be given instead."""
@@ -126,10 +126,10 @@ def _send_tuio(options: Send) -> int:
 
 
 def _send_packets(file: Path, to: str, speed: float, seconds: float) -> int:
-    """Sends the packets of a capture at their times, for each recorded sender from its own socket.
+    """Sends the packets of a capture at their times; every recorded sender has its own socket.
 
-    The socket is closed where the capture has the end of the sender's connection, or when
-    `MOST_SENDERS` newer senders have sockets.
+    A socket is closed when the sender's connection ends in the capture, or when `MOST_SENDERS`
+    newer senders have sockets.
     """
     capture = read_capture(file)
     console = Console(stderr=True)
