@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from models.arithmetic import Array
 from models.errors import SceneError
@@ -58,17 +59,19 @@ def test_what_one_component_commands_is_where_that_component_goes(servo: str) ->
         np.testing.assert_allclose(simulated_pose(scene, data), command, atol=2e-4)
 
 
-@given(q=legal_poses)
+@given(q=legal_poses, left=st.booleans())
 @settings(max_examples=50)
-def test_kinematics_and_mujoco_agree_where_every_bone_is(q: Array) -> None:
-    scene, data = hand_scene_once()
+def test_kinematics_and_mujoco_agree_where_every_bone_is(q: Array, left: bool) -> None:
+    scene, data = hand_scene_once(left)
+    skeleton = scene.spec.hands[0].skeleton
+    q = mirrored(q) if left else q
     put(scene, data, q)
     mujoco.mj_kinematics(scene.model, data)
-    placement = Kinematics(ADULT).place(q)
+    placement = Kinematics(skeleton).place(q)
     links = scene.spec.hands[0].links
     places = [data.body(link.body).xpos for link in links]
     np.testing.assert_allclose(places, placement.joints, atol=1e-9, rtol=0)
-    for bone, link, rotation in zip(ADULT.bones, links, placement.rotations, strict=True):
+    for bone, link, rotation in zip(skeleton.bones, links, placement.rotations, strict=True):
         body = data.body(link.body)
         np.testing.assert_allclose(body.xmat.reshape(3, 3), rotation, atol=1e-8, rtol=0)
         if bone.name.endswith(("dip", "thumb_mcp")):
@@ -77,9 +80,9 @@ def test_kinematics_and_mujoco_agree_where_every_bone_is(q: Array) -> None:
 
 
 @cache
-def hand_scene_once() -> tuple[Scene, mujoco.MjData]:
+def hand_scene_once(left: bool) -> tuple[Scene, mujoco.MjData]:
     """One compiled scene for all examples; what is read from it depends on `qpos` alone."""
-    return hand_scene()
+    return hand_scene(skeleton=ADULT.mirrored() if left else ADULT)
 
 
 @pytest.mark.parametrize("timestep", TIMESTEPS)
@@ -180,6 +183,16 @@ def test_a_mirrored_pose_is_the_left_hands_pose(q: Array) -> None:
     np.testing.assert_allclose(left.tips, right.tips @ MIRROR, atol=1e-12)
     np.testing.assert_allclose(left.joints, right.joints @ MIRROR, atol=1e-12)
     np.testing.assert_allclose(left.rotations, MIRROR @ right.rotations @ MIRROR, atol=1e-12)
+    joints, skeleton = mirrored(q)[6:], ADULT.mirrored()
+    assert np.all(joints >= skeleton.lower - 1e-12) and np.all(joints <= skeleton.upper + 1e-12)
+
+
+def test_both_hands_weigh_the_same_and_lie_in_a_mirror_in_mujoco() -> None:
+    left, right = (hand_scene(skeleton=s)[0].model for s in (ADULT.mirrored(), ADULT))
+    np.testing.assert_allclose(left.body_mass, right.body_mass, rtol=1e-9)
+    np.testing.assert_allclose(left.body_inertia, right.body_inertia, rtol=1e-6)
+    np.testing.assert_allclose(left.geom_size, right.geom_size, atol=1e-9)
+    np.testing.assert_allclose(left.body_pos, right.body_pos @ MIRROR, atol=1e-9)
 
 
 @pytest.mark.parametrize("impulse", [0.0, -1.0, float("nan"), float("inf")])
