@@ -60,3 +60,11 @@ def test_the_urdf_hand_resists_every_acceleration_as_ours_does_but_for_the_armat
     for q in trajectory(4)[::150]:
         difference = mass_matrix(our, q) - mass_matrix(urdf, q) - np.diag(armature)
         assert np.abs(difference).max() < 3 * LIGHT_MASS
+
+
+def test_the_loaded_hand_differs_by_the_armature_of_each_bone_and_nothing_else() -> None:
+    plain, loaded = (mujoco.MjModel.from_xml_string(hand_urdf(Hand(), x)) for x in (False, True))
+    for bone in ADULT.bones:
+        added = loaded.body(bone.name).inertia - plain.body(bone.name).inertia
+        assert np.allclose(added, bone.armature, rtol=1e-6)
+    assert np.array_equal(loaded.body_mass, plain.body_mass)
