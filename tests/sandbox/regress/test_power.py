@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from sandbox.cli.regress import main as regress
 from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial, load_baseline
+from sandbox.regress.comparison import compared
 from sandbox.regress.detectable_changes import power_of
 from sandbox.regress.run_plan import Origin, registered
 from tests.support.regress_tasks import Quick
@@ -38,6 +40,25 @@ def test_more_seeds_and_less_scatter_find_smaller_changes() -> None:
         assert a.time is not None and b.time is not None and c.time is not None
         assert b.time < 0.6 * a.time and c.time < 0.6 * a.time
     assert few[-1].task == "all tasks" and few[-1].time < min(row.time or 1 for row in few[:-1])
+
+
+def test_a_change_of_time_of_the_reported_size_is_found_four_times_in_five() -> None:
+    made, rng = baseline(0.05, 400, 400), np.random.default_rng(1)
+    made = replace(made, tasks={"quick": made.tasks["quick"]})
+    (row,) = power_of(made, ["quick"], range(40), LIMITS)
+    assert row.time is not None
+    kept = [made.tasks["quick"].trials[seed].time_s for seed in range(40)]
+    found = 0
+    for _ in range(200):
+        times = (1.0 + row.time) * np.exp(rng.normal(0.0, 0.05, 40)) * kept
+        trials = [
+            {"task": "quick", "seed": seed, "success": True, "status": "held"}
+            | {"progress": 1.0, "time_s": time}
+            for seed, time in enumerate(times.tolist())
+        ]
+        comparisons, _ = compared({"quick": trials}, made, LIMITS, {}, states=False)
+        found += comparisons["quick"].significant
+    assert found / 200 == pytest.approx(0.8, abs=0.1)
 
 
 def test_the_command_repeats_trials_and_names_what_it_would_find(
