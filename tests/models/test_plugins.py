@@ -44,6 +44,7 @@ def test_a_place_is_a_file_or_a_module_with_a_class_and_an_argument(
     ("body", "member", "says"),
     [
         ("1/0", "", "this lamp cannot be lit.*ZeroDivisionError"),
+        ("import sys; sys.exit()", "", "this lamp cannot be lit.*SystemExit"),
         (
             "class A: pass\nclass B: pass",
             "",

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from models.frames import Contact
+from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
+from sandbox.recording.recording import load_recording
 from sandbox.session.collision_gating import STUCK
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import Trial, play_trial
+from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tests.support.scripted import Script, scripted
+from tests.support.scripted import Played, Script, scripted
 
 
 def trial(**options: Any) -> TrialResult:
@@ -127,6 +130,16 @@ def test_the_labels_of_a_hand_that_is_down_never_change_and_a_new_finger_gets_a_
     assert len(named) == 3 and len(set(named.values())) == 3
 
 
+@pytest.mark.parametrize("fingers", [(0, 1, 2, 3), (0, 1, 3, 4), (1, 2, 3, 4)])
+def test_fingers_that_a_device_names_have_these_names(fingers: tuple[int, ...]) -> None:
+    places = [(0.069, 0.096), (0.083, 0.059), (0.099, 0.053), (0.115, 0.056)]
+    contacts = [Contact(f, *place, label=f) for f, place in zip(fingers, places, strict=True)]
+    session = scripted(lambda now: contacts)
+    played(session, 0.9)
+    named = {c.id: c.label for c in session.snapshot().hands[0].contacts}
+    assert named == dict(zip(fingers, fingers, strict=True))
+
+
 def test_the_session_plays_a_closed_device_to_its_end() -> None:
     device = Script(lambda now: [])
     device.finished = True
@@ -196,3 +209,12 @@ def test_a_palm_changes_nothing_of_what_its_hand_does() -> None:
     assert states == {0: "active", 1: "active", 2: "active", 9: "palm"}
     unsized = scripted(lambda t: touched(t, sized=False), seed=3)
     assert played(unsized) != with_palm.state_hash, "without sizes it is a finger"
+
+
+def test_a_trial_with_a_palm_replays_to_the_bit(tmp_path: Path) -> None:
+    path = tmp_path / "palm.jsonl"
+    frames = [TouchFrame(t, tuple(touched(t))) for t in np.arange(125) * 0.016]
+    result = play_trial(Settings(seed=3), (lambda task, surface: Played(frames),), record=path)
+    session, found = replay(load_recording(path))
+    assert found.exact and found.complete and session.state_hash == result.state_hash
+    assert {c.state for c in session.snapshot().hands[0].contacts} == {"active", "palm"}

@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
@@ -27,8 +28,8 @@ from sandbox.recording.recording import (
     read_track_line,
 )
 from sandbox.session.messages import Snapshot
-from sandbox.session.session import Session
-from sandbox.trial.assembly import device_makers
+from sandbox.session.session import STATE, Session
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import View, open_trial, play_trial
 from sandbox.trial.replay import Verification, is_same_outcome, replay
 from sandbox.trial.result import TrialResult
@@ -138,6 +139,29 @@ def test_a_replay_whose_view_fails_closes_its_devices(recorded: Recorded) -> Non
         with pytest.raises(OSError, match="no "):
             replay(load_recording(recorded[2]), make)
     assert len(sessions) == 2 and all(is_closed(each.rigs[0].device) for each in sessions)
+
+
+def test_a_simulation_goes_on_from_a_keyframe_whatever_was_simulated_before(
+    recorded: Recorded,
+) -> None:
+    recording = load_recording(recorded[2])
+    chosen = recorded_settings(recording.header)
+    session = build(chosen, device_makers(chosen))
+    model, data = session.scene.model, session.data
+    assert len(recording.keyframes) > 2
+    for step, state in recording.keyframes.items():
+        ends = []
+        for _ in range(2):
+            mujoco.mj_setState(model, data, state, STATE)
+            assert data.time == pytest.approx(step * model.opt.timestep)
+            again = np.empty_like(state)
+            mujoco.mj_getState(model, data, again, STATE)
+            assert again.tobytes() == state.tobytes()
+            mujoco.mj_step(model, data, 50)
+            ends.append(data.qpos.tobytes())
+            data.qvel[:] = 1.0
+            mujoco.mj_step(model, data, 3)
+        assert ends[0] == ends[1]
 
 
 def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(

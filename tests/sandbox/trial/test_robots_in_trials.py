@@ -63,10 +63,14 @@ def four_fingers(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def test_a_finger_that_the_robot_lacks_is_never_solid_and_is_counted_as_unreached(
-    four_fingers: str,
+    four_fingers: str, tmp_path: Path
 ) -> None:
-    run = run_trial("dial", SEED, robot=four_fingers, fingers=5)
+    file = tmp_path / "run.jsonl"
+    run = run_trial("dial", SEED, record=file, robot=four_fingers, fingers=5)
     assert run.trajectories is not None
     (hand,) = run.trajectories.hands
     assert hand.solid[:, :4].any() and not hand.solid[:, 4].any()
     assert run.result["unreached"] > 0.3
+    again = replay_recording(file, trajectories=False)
+    assert again.verification is not None and again.verification.exact
+    assert again.state_hash == run.state_hash
