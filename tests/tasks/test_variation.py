@@ -250,6 +250,13 @@ def test_ghosts_and_drop_outs_keep_their_time_while_the_device_is_silent() -> No
     assert not [c for f in out if f.time > 20.2 for c in f.contacts if c.id < FIRST_GHOST]
 
 
+def test_dropped_touches_never_share_an_id() -> None:
+    touches = Contact(3, 0.05, 0.05), Contact(4, 0.09, 0.05)
+    out = played(Variation(dropped=1.0), frames_of(1000, *touches))
+    ids = [{c.id for f in out for c in f.contacts if c.x == touch.x} for touch in touches]
+    assert min(map(len, ids)) > 5 and not ids[0] & ids[1]
+
+
 def test_a_dropped_touch_comes_back_under_another_id_at_its_place() -> None:
     out = played(Variation(dropped=1.0), frames_of(2000, Contact(3, 0.05, 0.05)))
     gone = [not f.contacts for f in out]

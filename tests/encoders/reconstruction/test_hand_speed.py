@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -61,3 +62,16 @@ def test_a_slow_hand_comes_down_when_a_quick_one_does_and_is_slow_from_there_on(
             assert joints.max() <= SLOW.angular * DT * (1 + 1e-9)
         before = careful
     assert careful.phase is Phase.DOWN
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.001])
+def test_a_hand_waits_no_longer_over_resting_touches_with_a_millimetre_of_noise(
+    noise: float,
+) -> None:
+    rng, phases = np.random.default_rng(5), []
+    reconstructor = hand(RateLimit())
+    for i in range(100):
+        places = np.array([0.09, 0.08]) + PINCH + noise * rng.normal(size=(3, 2))
+        contacts = [Contact(k, *place) for k, place in enumerate(places.tolist())]
+        phases.append(reconstructor.step(TouchFrame(i * DT, tuple(contacts))).phase)
+    assert phases[-1] is Phase.DOWN and 0 < phases.count(Phase.ABOVE) * DT < 0.2

@@ -20,6 +20,7 @@ from sandbox.session.collision_gating import CLEARANCE, STUCK
 from sandbox.session.messages import MOVE_APART
 from sandbox.session.session import Session
 from sandbox.session.tip_offsets import OPENED, REACH, RELEASED_FADING, Grip
+from sandbox.trial.settings import SOLID as SOLIDS
 from sandbox.trial.settings import HandSettings
 from tasks import CustomTask, Goal, Measure, Sensing, judge
 from tasks.user import UserConfiguration
@@ -56,6 +57,18 @@ def test_fingers_that_open_a_little_keep_the_width_of_their_grip() -> None:
         # Within half a second little of it is forgotten.
         touched, kept = widths(opened(by)) - widths(HAND), widths(tips) - widths(HAND)
         assert np.abs(kept).max() <= 0.2 * np.abs(touched).max()
+
+
+def test_fingers_that_close_are_followed_at_once() -> None:
+    grip = Grip()
+    for by in (0.0, -0.002, -0.004, -0.01):
+        np.testing.assert_array_equal(held(grip, opened(by))[1], opened(by))
+
+
+def test_a_single_finger_holds_nothing() -> None:
+    grip = Grip()
+    for x in (0.0, 0.1, 0.2):
+        assert not grip.step({1: (x, 0.0)}, SOLID) and grip.offsets is None
 
 
 def test_fingers_that_spread_let_go_once() -> None:
@@ -225,6 +238,18 @@ def test_a_solid_finger_that_leaves_the_thing_comes_back_to_its_touch() -> None:
     hand = session.snapshot().hands[0]
     touches = hand.places[:, :2]
     assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
+
+
+def test_a_hand_that_is_a_ghost_on_purpose_is_led_out_of_nothing() -> None:
+    poses = []
+    for solid in SOLIDS:
+        session = pinched(0.002, contact="none", solid=solid)
+        run(session, SETTLED)
+        hand = session.snapshot().hands[0]
+        assert not hand.solid and not hand.inside
+        assert np.linalg.norm(hand.tips[:2, :2] - hand.places[:, :2], axis=1).max() < 0.001
+        poses.append(session.reconstructions[0].q)
+    np.testing.assert_array_equal(*poses)
 
 
 @pytest.mark.parametrize("inside", [0.018, 0.005])
