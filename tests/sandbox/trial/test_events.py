@@ -5,8 +5,11 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from queue import SimpleQueue
 from types import SimpleNamespace
 from typing import Any
 
@@ -107,6 +110,39 @@ def test_what_waits_is_written_though_later_events_found_no_place(
     os.close(reader)
     numbers = [json.loads(line)["number"] for line in found.splitlines()]
     assert numbers == list(range(len(numbers))) and 3000 <= len(numbers) < told
+
+
+class Hesitant(SimpleQueue[bytes]):
+    """A queue whose reader of the size is interrupted by other threads."""
+
+    def qsize(self) -> int:
+        found = super().qsize()
+        time.sleep(0.001)
+        return found
+
+
+def test_events_of_several_threads_wait_in_no_larger_number(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logs, "SimpleQueue", Hesitant)
+    monkeypatch.setattr(logs, "MOST_WAITING", 3)
+    monkeypatch.setattr(logs, "PATIENCE", 0.01)
+    path, waiting = tmp_path / "pipe", []
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    log = EventLog(path)
+
+    def write(number: int) -> None:
+        # The pipe has no room for one of these.
+        log.write("warning", what="x" * (1 << 17))
+        waiting.append(log._waiting.qsize())
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(write, range(40)))
+    assert max(waiting) == 3
+    with pytest.raises(InputError, match="waited for their reader"):
+        log.close()
+    os.close(reader)
 
 
 def test_a_reader_who_leaves_a_pipe_is_told_of_at_the_end(tmp_path: Path) -> None:
