@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import ast
 import importlib
+import inspect
 import re
 import tomllib
 from pathlib import Path
 
 import pytest
+
+from models.objects import RED, Box, Cylinder
+from models.surface import Surface
+from tasks.box_to_goal import BoxToGoal
+from tasks.task import Goal, place_surface
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
@@ -134,3 +140,28 @@ def test_the_page_on_tasks_shows_the_user_of_its_example() -> None:
         ]
 
     assert user(kept) == [dump for code in shown for dump in user(ast.parse(code))] != []
+
+
+@pytest.mark.parametrize("kind", [Box, Cylinder, Goal])
+def test_the_page_on_tasks_has_the_arguments_of_objects_and_goals(kind: type) -> None:
+    given = [
+        p.name if p.default is p.empty else f"{p.name}={'RED' if p.default is RED else p.default}"
+        for p in inspect.signature(kind).parameters.values()
+    ]
+    text = (ROOT / "docs" / "write-a-task.md").read_text(encoding="utf-8")
+    assert f"\n{kind.__name__}({', '.join(given)})\n" in text
+
+
+def test_the_touch_surface_is_where_the_page_on_tasks_has_it() -> None:
+    class Front(BoxToGoal):
+        plane = "front"
+
+    text = (ROOT / "docs" / "write-a-task.md").read_text(encoding="utf-8")
+    flat, front = place_surface(Surface(), BoxToGoal), place_surface(Surface(), Front)
+    (width, height), over = flat.size, BoxToGoal.touch_height
+    right, far = width / 2, height / 2
+    assert f"x = ±{right:.3f} and y = ±{far:.3f}" in text
+    assert flat.to_world((0.0, 0.0)) == pytest.approx((-right, far, over))
+    assert flat.to_world((width, height)) == pytest.approx((right, -far, over))
+    assert front.to_world((0.0, height)) == pytest.approx((-right, -over, -0.015))
+    assert "its lower edge 0.015 m below the table's top" in text

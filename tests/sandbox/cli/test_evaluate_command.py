@@ -56,6 +56,18 @@ def pictures(folder: Path) -> tuple[Path, dict[str, Any]]:
     return out, json.loads(report.read_text())
 
 
+@pytest.mark.full
+def test_without_a_capture_encoders_are_tested_on_days_of_a_simulated_person(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "day.json"
+    words = ["evaluate", "--encoders", "linear", "--days", "1", "--no-copas", "--json", str(path)]
+    assert main(words) == 0
+    found = json.loads(path.read_text())
+    assert found["configuration"]["days"] == [found["tests"][0]["day"]]
+    assert found["simulated"] is True and "SIMULATED" in capsys.readouterr().out
+
+
 def quickly_trained(capture: Capture, progress: object = None) -> TrainedModel:
     model = train(capture, "trained", 1, 0.0)
     return replace(model, meta=model.meta | {"winner": "quadratic, ridge 0.1"})
