@@ -249,7 +249,7 @@ def test_a_hand_that_is_a_ghost_on_purpose_is_led_out_of_nothing() -> None:
         assert not hand.solid and not hand.inside
         assert np.linalg.norm(hand.tips[:2, :2] - hand.places[:, :2], axis=1).max() < 0.001
         poses.append(session.reconstructions[0].q)
-    np.testing.assert_array_equal(*poses)
+    np.testing.assert_array_equal(poses[0], poses[1])
 
 
 @pytest.mark.parametrize("inside", [0.018, 0.005])

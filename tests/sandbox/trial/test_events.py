@@ -127,7 +127,8 @@ def test_events_of_several_threads_wait_in_no_larger_number(
     monkeypatch.setattr(logs, "SimpleQueue", Hesitant)
     monkeypatch.setattr(logs, "MOST_WAITING", 3)
     monkeypatch.setattr(logs, "PATIENCE", 0.01)
-    path, waiting = tmp_path / "pipe", []
+    path = tmp_path / "pipe"
+    waiting: list[int] = []
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     log = EventLog(path)
