@@ -160,6 +160,18 @@ def test_a_touch_right_below_its_fingertip_has_no_tip_error() -> None:
     np.testing.assert_allclose(tip_errors(q, xy), [2.0], atol=1e-9)
 
 
+@pytest.mark.parametrize("history", (False, True))
+def test_labels_bring_touches_to_the_fingers_that_they_name_and_lose_none(
+    capture: Capture, history: bool
+) -> None:
+    found = own_labels(capture, Knowing, history)
+    assert found.right.all() and found.stayed.right.all() and found.first.right.all()
+    np.testing.assert_array_equal(found.xy, capture.xy)
+    wrong = own_labels(capture, ByOrder, history)
+    assert not wrong.right.all()
+    np.testing.assert_array_equal(np.sort(wrong.xy, axis=1), np.sort(capture.xy, axis=1))
+
+
 @pytest.mark.parametrize("cheat", (ByOrder, ByNumber))
 def test_neither_order_nor_numbers_of_contacts_tell_their_fingers(cheat: type[Knowing]) -> None:
     """In `made_capture` ids are in the order of the fingers; a take's ids are drawn once."""
@@ -179,6 +191,8 @@ def test_a_jump_at_a_change_of_contacts_is_a_jump_and_no_acceleration(capture: C
     np.testing.assert_allclose(np.sort(found.largest_joint)[-3:], 4.2)
     np.testing.assert_allclose(np.sort(found.wrist_jump)[-3:], 1.0)
     assert np.count_nonzero(found.jump > 1e-9) == 3
+    assert len(found.jump) == 3 * (len(STAGES) - 1)
+    assert len(found.acceleration) == 3 * len(STAGES) * (STAGE_FRAMES - 2)
 
 
 def test_acceleration_is_the_second_derivative(capture: Capture) -> None:

@@ -21,8 +21,11 @@ from encoders.evaluation.person_model import (
 )
 from encoders.regression.trained import TrainedModel, builtin_capture
 from encoders.regression.training import blocked_predictions
-from encoders.validation import FOLDS, robust_covariance, trial_folds
+from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
+from models.arithmetic import Array
 from models.pose import absolute_pose
+from tests.encoders.regression.turning import turned_pose
+from tests.support.simulation import legal_poses
 
 
 @cache
@@ -99,13 +102,13 @@ def test_where_on_the_surface_the_hand_is_does_not_matter(shift: tuple[float, fl
     np.testing.assert_allclose(found, moved, atol=1e-7)
 
 
-def test_a_person_s_model_is_trained_once_and_anew_for_a_damaged_file(
+def test_a_person_s_model_is_trained_once_and_anew_for_a_damaged_file_or_another_capture(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    trained: list[str] = []
+    trained: list[int] = []
 
     def train(capture: Capture, name: str, progress: object = None) -> TrainedModel:
-        trained.append(name)
+        trained.append(len(capture))
         return mine()
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -115,6 +118,30 @@ def test_a_person_s_model_is_trained_once_and_anew_for_a_damaged_file(
     (path,) = tmp_path.rglob("*.npz")
     path.write_bytes(b"no model")
     assert person_model(sparse()).digest == mine().digest and len(trained) == 2
+    person_model(takes())
+    assert trained == [len(sparse()), len(sparse()), len(takes())]
+
+
+def test_the_winner_is_the_candidate_with_the_least_validated_error() -> None:
+    corrected = {name: pair[1] for name, pair in mine().meta["validated"].items()}
+    assert corrected.keys() == CANDIDATES.keys()
+    assert corrected[mine().meta["winner"]] == min(corrected.values())
+
+
+@given(a=legal_poses, b=legal_poses, seed=st.integers(0, 2**16))
+def test_the_error_product_is_symmetric_and_without_order_direction_or_place(
+    a: Array, b: Array, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    q = np.stack([a, b, a, b]) + rng.normal(0, 0.01, (4, 48))
+    truth, order = np.stack([b, a, a, b]), rng.permutation(4)
+    angle, about = rng.uniform(-3, 3), rng.uniform(-1, 1, 2)
+    for one, other in (
+        (q[order], truth[order]),
+        (truth, q),
+        (turned_pose(q, angle, about), turned_pose(truth, angle, about)),
+    ):
+        assert error_product(one, other) == pytest.approx(error_product(q, truth), rel=1e-9)
 
 
 def test_predictions_of_a_take_are_made_without_it() -> None:
