@@ -12,7 +12,7 @@ from encoders.labels.pair_network import USUAL_SETS
 from models.errors import InputError
 from models.frames import FINGERS
 from sandbox.trial.settings import PipelineSettings
-from tests.encoders.labels.test_belief import Contacts, new_belief, touches
+from tests.encoders.labels.test_belief import Contacts, claims_table, new_belief, touches
 
 SETS = [each for count in range(1, 6) for each in finger_sets(count)]
 ANY_SETS = st.dictionaries(st.sampled_from(SETS), st.floats(0.01, 100.0), min_size=1, max_size=6)
@@ -29,14 +29,20 @@ def test_a_text_of_sets_is_read_as_written(sets: dict[tuple[int, ...], float]) -
 
 
 @given(touches(), st.integers(3, 5))
-def test_a_hand_with_fewer_fingers_gets_only_their_names(contacts: Contacts, fingers: int) -> None:
+def test_a_hand_with_fewer_fingers_gets_only_their_names_in_proportion_to_the_belief(
+    contacts: Contacts, fingers: int
+) -> None:
     whole, fewer = new_belief(), new_belief()
     fewer.odds = odds_of_first(fingers)
     free, labelling = whole.assign(contacts, {}), fewer.assign(contacts, {})
     if not len(contacts) <= fingers < 5:
         assert (labelling.labels, labelling.probability) == (free.labels, free.probability)
     else:
-        assert max(labelling.labels.values()) < fingers
+        claims = claims_table(whole, list(contacts))
+        shares = {labels: share for labels, share in claims.items() if max(labels) < fingers}
+        best = max(shares, key=lambda labels: shares[labels])
+        assert tuple(labelling.labels[i] for i in contacts) == best
+        assert labelling.probability == pytest.approx(shares[best] / sum(shares.values()))
 
 
 @given(touches(), ANY_SETS)

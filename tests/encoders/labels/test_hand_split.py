@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import product
 from random import Random
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.labels.hand_split import HandSplitter
+from encoders.labels.hand_split import HandSplitter, all_shares
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.wrappers.shared import SharedDevice, SplitByPlace
@@ -105,6 +107,20 @@ def test_six_fingers_of_one_place_are_two_hands_and_an_eleventh_is_nobodys() -> 
     crowd = dict(enumerate((0.30 + 0.005 * k, 0.1) for k in range(11)))
     hands = held(HandSplitter(HOMES), crowd)
     assert hands.count(0) == hands.count(1) == 5 and hands.count(None) == 1
+
+
+@pytest.mark.parametrize("room", [[5, 5], [2, 3], [0, 1], [5, 0], [0, 0]])
+@pytest.mark.parametrize("n", [1, 4, 6])
+def test_shares_are_all_those_that_leave_only_contacts_beyond_the_room_without_a_hand(
+    n: int, room: list[int]
+) -> None:
+    every = [
+        shares
+        for shares in product((0, 1, -1), repeat=n)
+        if shares.count(0) <= room[0] and shares.count(1) <= room[1]
+        if shares.count(-1) == max(n - sum(room), 0)
+    ]
+    assert list(all_shares(n, room)) == every
 
 
 def test_what_is_cancelled_is_told_to_its_hand_alone() -> None:

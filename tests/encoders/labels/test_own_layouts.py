@@ -8,7 +8,14 @@ from scipy.linalg import null_space
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
-from encoders.labels.belief import MOST, KernelShape, LayoutDensity, Layouts, OwnLayouts
+from encoders.labels.belief import (
+    MOST,
+    KernelShape,
+    LayoutDensity,
+    Layouts,
+    OwnLayouts,
+    builtin_population_belief,
+)
 from encoders.labels.labelling import finger_sets, hypotheses, true_row
 from models.arithmetic import Array
 from models.errors import EncoderError
@@ -41,6 +48,14 @@ def test_the_same_posture_is_kept_once_and_the_oldest_makes_room() -> None:
         own = own.with_new(turned)
     assert len(own) == MOST
     assert np.allclose(own.layouts[-1], OwnLayouts(turned[None]).layouts[0])
+
+
+def test_a_restart_forgets_the_layouts_learned_since_the_beginning() -> None:
+    belief = builtin_population_belief(OwnLayouts(HAND[None]))
+    belief.assign({f: (x, 1.2 * y) for f, (x, y) in enumerate(HAND.tolist())}, {})
+    assert len(belief.own) == 2
+    belief.restart()
+    assert len(belief.own) == 1
 
 
 @pytest.mark.parametrize(

@@ -185,6 +185,13 @@ def test_of_equal_pairs_the_first_query_and_its_first_point_win(
     assert NearestNeighbour(P).closest(Q) == closest_of_all(Q, P)
 
 
+def test_more_equal_points_than_are_compared_at_once_are_no_obstacle() -> None:
+    P = np.tile([[1.0, 2.0, 3.0]], (70_000, 1))
+    P[:7] += 1.0
+    Q = np.array([[9.0, 9.0, 9.0], [1.0, 2.0, 2.0]])
+    assert NearestNeighbour(P, cells=1).closest(Q) == Closest(1, 7, 1.0)
+
+
 def test_pairs_that_single_precision_cannot_part_are_parted() -> None:
     P = np.array([[0.0, 0.0], [1000.0, 0.0]])
     Q = np.array([[1000.0, 1.0 + 1e-9], [1000.0, 1.0]])
