@@ -71,12 +71,13 @@ def test_a_guess_that_meets_its_touches_by_illegal_joints_is_not_taken_as_it_is(
     assert result.error == pytest.approx(missed(result.q, case.labels, targets), abs=1e-12)
 
 
-@given(rng=generators, count=counts, poor=st.floats(0.0, 6.0))
+@given(rng=generators, count=counts, poor=st.floats(0.0, 6.0), far=st.floats(0.0, 0.5))
 @settings(max_examples=100)
-def test_an_extreme_guess_never_gives_an_illegal_pose_or_a_wrong_error(
-    rng: np.random.Generator, count: int, poor: float
+def test_an_extreme_guess_or_touches_out_of_reach_never_give_an_illegal_pose_or_a_wrong_error(
+    rng: np.random.Generator, count: int, poor: float, far: float
 ) -> None:
     case = Case(rng, count, poor)
+    case.targets += far * rng.normal(size=(count, 3))
     result = case.corrected()
     assert violations(result.q, ADULT) == 0
     assert np.isfinite(result.q).all()

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
 from encoders.regression.bone_fit import (
+    KNUCKLE_SPREAD,
     fitted_skeleton,
     perturbed_skeleton,
+    tip_misses,
 )
 from models.kinematics import Kinematics
 from models.skeleton import ADULT, Skeleton
@@ -55,6 +57,22 @@ def test_exact_touches_give_back_the_bones_themselves(seed: int) -> None:
     for found, wanted in zip(fitted.bones, person.bones, strict=True):
         np.testing.assert_allclose(found.length, wanted.length, atol=0.001)
         np.testing.assert_allclose(found.anchor, wanted.anchor, atol=0.001)
+
+
+@given(seed=seeds)
+def test_one_touch_of_each_finger_is_missed_by_less_and_the_bones_stay_near_the_known_ones(
+    seed: int,
+) -> None:
+    capture = touched_by(another(seed), 5, (0, 1, 2, 3, 4), seed)
+    fitted = fitted_skeleton(capture, ADULT)
+    after, before = (
+        np.linalg.norm(tip_misses(Kinematics(skeleton), capture), axis=1)
+        for skeleton in (fitted, ADULT)
+    )
+    assert (after <= before + 1e-12).all()
+    for i in ADULT.first_bone:
+        moved = np.subtract(fitted.bones[i].anchor, ADULT.bones[i].anchor)
+        assert np.abs(moved).max() < 3 * KNUCKLE_SPREAD
 
 
 @settings(max_examples=15)

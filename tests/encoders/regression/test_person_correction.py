@@ -94,6 +94,18 @@ def test_with_the_right_bones_and_full_trust_the_tips_meet_the_touches(
     assert np.abs(tips[:, 2] - PAD_HEIGHT).max() < 1e-5
 
 
+@given(seed=seeds, down=fingers)
+def test_a_prediction_without_a_touch_or_with_right_tips_is_left_alone(
+    seed: int, down: list[int]
+) -> None:
+    q, guess, covariance = near_a_table(seed)
+    some = PersonCorrection(ADULT, covariance, np.full(3, 1e-6))
+    unchanged = some.correct(guess, touched(q, []))
+    np.testing.assert_allclose(unchanged, within_limits(guess, ADULT), atol=1e-12)
+    q[:, 2] += PAD_HEIGHT - TABLE.tips(q)[:, down[0], 2]
+    np.testing.assert_allclose(some.correct(q, touched(q, down[:1])), q, atol=1e-12)
+
+
 @given(seed=seeds, down=fingers, distrust=st.sampled_from((1e9, 1e12, 1e15)))
 def test_with_endless_distrust_the_prediction_stays_as_it_was(
     seed: int, down: list[int], distrust: float

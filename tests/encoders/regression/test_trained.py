@@ -22,8 +22,9 @@ from encoders.regression.trained import (
     builtin_folder,
     load_model,
 )
-from encoders.regression.training import rounded, save_model, train
+from encoders.regression.training import blocked_predictions, rounded, save_model, train
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
+from encoders.validation import robust_covariance
 from models.errors import EncoderError
 from models.pose import absolute_pose
 from models.skeleton import ADULT
@@ -123,6 +124,13 @@ def test_the_digest_sees_every_part(model: TrainedModel) -> None:
     assert replace(model, name="other").digest == model.digest
 
 
+def test_the_covariance_is_that_of_errors_on_takes_not_seen(capture: Capture) -> None:
+    model = train(capture, "mine", 1, None)
+    seen = blocked_predictions(lambda: PolynomialEncoder(1, model.meta["ridge"]), capture)
+    covariance = robust_covariance(capture.relative - seen)
+    np.testing.assert_allclose(model.residual_covariance, covariance, rtol=1e-4, atol=1e-9)
+
+
 def test_one_take_alone_is_refused(capture: Capture) -> None:
     with pytest.raises(EncoderError, match="2 trials"):
         train(capture.select(capture.trial == 0), "mine", 1, 0.0)
@@ -187,6 +195,13 @@ def test_a_turned_encoder_or_correction_with_a_wrong_part_is_refused(
     with pytest.raises(EncoderError, match=r"turned\.npz") as error:
         load_model(corrected_path)
     assert "\n" not in str(error.value)
+
+
+def test_with_a_degree_the_command_trains_that_polynomial(capture: Capture, tmp_path: Path) -> None:
+    save_capture(capture, tmp_path / "c.npz")
+    line = ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(tmp_path / "m.npz")]
+    assert main([*line, "--degree", "1", "--ridge", "0"]) == 0
+    assert load_model(tmp_path / "m.npz").digest == train(capture, "m", 1, 0.0).digest
 
 
 def test_without_a_degree_the_command_trains_what_wins(

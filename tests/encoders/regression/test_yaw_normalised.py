@@ -83,7 +83,11 @@ def test_the_normalised_frame_does_not_depend_on_the_hands_turn_and_place(
     xy[:, 0] = 0.1
     before, after = xy, turned_places(xy, more, shift)
     turn = np.full(6, angle)
-    inputs, _ = normalised_touches(contact_vectors(before)[0], turn)
+    u, leftmost = contact_vectors(before)
+    inputs, middle = normalised_touches(u, turn)
+    # From the leftmost contact, y up.
+    expected = (np.nanmean(before, axis=1) - leftmost) * [1.0, -1.0]
+    np.testing.assert_allclose(middle, expected, atol=1e-12)
     same, _ = normalised_touches(contact_vectors(after)[0], turn + more)
     np.testing.assert_allclose(same, inputs, atol=1e-9)
 
