@@ -92,6 +92,14 @@ def test_the_example_is_trained_into_a_file_that_is_loaded_again(
     assert main(["run", QUICK, "--encoder", str(out)]) == 0
 
 
+def test_the_example_is_evaluated_beside_ours(capture: Capture, tmp_path: Path) -> None:
+    path, out = tmp_path / "c.npz", tmp_path / "report.json"
+    save_capture(capture, path)
+    line = ["evaluate", "--encoders", "mean", NAME, "--capture", str(path), "--train", "split"]
+    assert main([*line, "--no-copas", "--json", str(out)]) == 0
+    assert json.loads(out.read_text())["encoders"].keys() == {"mean", "KernelRidge"}
+
+
 @pytest.mark.parametrize("encoder", [*sorted(ENCODERS), Mean])
 def test_each_of_our_encoders_and_one_that_stores_nothing_come_back_from_a_file(
     encoder: str | type[Encoder], capture: Capture, tmp_path: Path
@@ -211,13 +219,41 @@ class Counting(Mean):
         return super().predict(U) + 1e-4 * self.predictions
 
 
+class Centred(Mean):
+    """Subtracts means in place, as one does with arrays that are one's own."""
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        super().fit(U, Q)
+        for given in (U, Q):
+            assert isinstance(given, np.ndarray)
+            given -= given.mean(axis=0)
+        return self
+
+    def arrays(self) -> dict[str, Any]:
+        return {"mean": self.mean}
+
+    def restore(self, arrays: Any, U: Array, Q: Array) -> Self:
+        self.mean = arrays["mean"]
+        U += 1.0
+        return self
+
+
+class Drawn(Centred):
+    """Learns something else every time, and stores it."""
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        super().fit(U, Q)
+        self.mean = self.mean + np.random.default_rng().normal(0.0, 1.0, 48)
+        return self
+
+
 def test_the_check_for_authors_accepts_the_example_and_ours(capture: Capture) -> None:
     check_encoder(NAME)
     for name in ("linear", "turned"):
         check_encoder(ENCODERS[name], capture)
 
 
-@pytest.mark.parametrize("encoder", [Counting, dict, "no-such-encoder"])
+@pytest.mark.parametrize("encoder", [Counting, Drawn, dict, "no-such-encoder"])
 def test_the_check_for_authors_refuses_what_breaks_a_rule_in_one_line(
     encoder: type | str, capture: Capture
 ) -> None:
@@ -237,25 +273,6 @@ def test_a_pose_that_is_not_finite_in_the_midst_of_a_trial_is_told_in_one_line(
     file = write(tmp_path / "lab.py", body)
     assert main(["run", "box-to-goal", "--encoder", f"{file}:A"]) == 2
     assert "not finite" in capsys.readouterr().err.strip().splitlines()[-1]
-
-
-class Centred(Mean):
-    """Subtracts means in place, as one does with arrays that are one's own."""
-
-    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
-        super().fit(U, Q)
-        for given in (U, Q):
-            assert isinstance(given, np.ndarray)
-            given -= given.mean(axis=0)
-        return self
-
-    def arrays(self) -> dict[str, Any]:
-        return {"mean": self.mean}
-
-    def restore(self, arrays: Any, U: Array, Q: Array) -> Self:
-        self.mean = arrays["mean"]
-        U += 1.0
-        return self
 
 
 def test_an_encoder_that_learns_in_place_changes_no_capture_and_no_training_frame(
