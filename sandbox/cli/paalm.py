@@ -29,7 +29,7 @@ from sandbox.devices.leap.guided_calibration import save_calibrations
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import doubt_of_side, read_leap
 from sandbox.devices.leap.leap_write import GENERATOR
-from sandbox.hand.profiles import DEFAULT, own_calibration_path
+from sandbox.trial.profiles import DEFAULT, own_calibration_path
 from sandbox.views.paalm.paalm_pictures import check_picture, show_pictures
 
 SCHEMA = 1

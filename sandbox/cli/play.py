@@ -15,11 +15,11 @@ from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.run import RunOptions, perform
 from sandbox.devices.registry import LIVE_HEADSET as LIVE
 from sandbox.devices.registry import is_in_air
-from sandbox.hand.profiles import DEFAULT, default_path, find_profile, uses_touch_profile
 from sandbox.play.own_profile import Learner, with_measured_hand, with_usable_profile
 from sandbox.play.page_play import play_on_page
 from sandbox.play.player_requests import checked_limit
 from sandbox.server.page_options import PageOptions
+from sandbox.trial.profiles import DEFAULT, default_path, find_profile, uses_touch_profile
 from sandbox.trial.trial_options import (
     COMMON,
     OUTPUT,

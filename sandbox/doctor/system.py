@@ -16,8 +16,8 @@ from pathlib import Path
 
 from models.errors import HandSandboxError
 from sandbox.doctor import Check, run_probe
-from sandbox.hand.profiles import default_path, find_profile
 from sandbox.recording.versions import versions
+from sandbox.trial.profiles import default_path, find_profile
 
 NAME = "hand-sandbox"
 DEVELOPERS = ("test", "lint", "site", "release", "notebook", "training", "dev")

@@ -12,7 +12,9 @@ from rich.text import Text
 
 from models.errors import InputError
 from sandbox.devices.registry import LIVE_LEAP, is_in_air
-from sandbox.hand.profiles import (
+from sandbox.session.own_layouts import learned_layouts
+from sandbox.session.session import Session
+from sandbox.trial.profiles import (
     chosen_calibration,
     find_profile,
     load_profile,
@@ -21,8 +23,6 @@ from sandbox.hand.profiles import (
     save_profile,
     uses_touch_profile,
 )
-from sandbox.session.own_layouts import learned_layouts
-from sandbox.session.session import Session
 from sandbox.trial.trial_options import TrialOptions
 
 Options = TypeVar("Options", bound=TrialOptions)

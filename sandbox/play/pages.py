@@ -12,7 +12,6 @@ from encoders.paalm.hand_reconstructor import HandReconstructor
 from models.errors import DeviceError, InputError
 from models.message import Message
 from sandbox.devices.device import DeviceWrapper
-from sandbox.hand.profiles import default_path
 from sandbox.recording.versions import versions
 from sandbox.server.access import stored_token
 from sandbox.server.page_frames import describe_scene, pack_skin
@@ -23,6 +22,7 @@ from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.server.web import PageDevice
 from sandbox.session.session import Session
 from sandbox.trial.logs import EventLog
+from sandbox.trial.profiles import default_path
 from tasks.registry import TASKS, find_task, hands_of
 from tasks.task import Task, summary
 

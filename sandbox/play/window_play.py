@@ -52,7 +52,7 @@ from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.window.window import SIZE, Window
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tasks.score import Status
 from tasks.task import Task, summary
 

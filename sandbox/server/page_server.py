@@ -49,7 +49,7 @@ from sandbox.server.static import StaticFiles, plain
 from sandbox.server.web import PageDevice
 from sandbox.session.messages import Snapshot
 from sandbox.trial.logs import LatencyLog
-from sandbox.words.words import preferred, words_in
+from sandbox.words import preferred, words_in
 
 _T = TypeVar("_T")
 

@@ -522,7 +522,7 @@ def _settings(options: TrialOptions, recording: Recording | None, base: Settings
     first, *others = base.hands
     if options.profile not in (None, "none"):
         # Measurements and comparisons have no profile.
-        from sandbox.hand.profiles import find_profile, uses_touch_profile
+        from sandbox.trial.profiles import find_profile, uses_touch_profile
 
         if uses_touch_profile(options):
             first = replace(find_profile(options.profile).hand, in_air=first.in_air)
@@ -715,7 +715,7 @@ def _seen(options: TrialOptions, device: str, side: str) -> HandInput:
     """Settings of a 3-D device for a hand in the air."""
     given = dict(options.device_options)
     if kind_of(device).sees is Sees.LEAP:
-        from sandbox.hand.profiles import chosen_calibration
+        from sandbox.trial.profiles import chosen_calibration
 
         given["calibration"] = chosen_calibration(options)
     return seen_hand(device, given, side)

@@ -32,7 +32,8 @@ ROOMS = (
 """Where what a recording replays is computed."""
 
 TABLES = (
-    "sandbox/study/design/scoring.py",
+    "sandbox/study/design/design.py",
+    "sandbox/study/design/questionnaires.py",
     "sandbox/study/measures/*.py",
     "sandbox/study/tables/*.py",
 )

@@ -21,13 +21,13 @@ from sandbox.devices.files.paired_capture import arrivals, first_line_with_host,
 from sandbox.devices.files.touch_files import open_file
 from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.tuio.touch_capture import read_capture
-from sandbox.hand.profiles import load_profile
 from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial, load_baseline
 from sandbox.regress.run_plan import Origin
 from sandbox.study.record.journal import chained, read_journal
 from sandbox.study.record.notes import read_notes
 from sandbox.study.record.state import SessionState
 from sandbox.study.share.masking import PersonMasking, shared_line
+from sandbox.trial.profiles import load_profile
 from tests.support.json_values import VALUES, damaged
 
 

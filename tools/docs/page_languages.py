@@ -43,7 +43,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings
-from sandbox.words.words import LANGUAGES, words_in
+from sandbox.words import LANGUAGES, words_in
 from tasks.registry import TASKS
 from tasks.score import Status
 from tests.support.chromium import Browser, Tab

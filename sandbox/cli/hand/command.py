@@ -12,7 +12,7 @@ from rich.console import Console
 from sandbox.cli.common.command_line import application, run
 from sandbox.cli.hand.measure import measure
 from sandbox.cli.hand.rest import rest
-from sandbox.hand.profiles import Profile, default_path, load_profile, save_profile
+from sandbox.trial.profiles import Profile, default_path, load_profile, save_profile
 
 File = Annotated[Path | None, Parameter(metavar="FILE")]
 

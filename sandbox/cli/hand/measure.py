@@ -28,10 +28,10 @@ from sandbox.devices.device import Device
 from sandbox.devices.files.touch_files import first_line
 from sandbox.devices.registry import given_device_options, is_in_air
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.hand.profiles import Profile, default_path, save_profile
 from sandbox.recording.recording import is_recording
 from sandbox.session.own_layouts import Layouts, stored_layouts
 from sandbox.trial.assembly import device_makers, is_live
+from sandbox.trial.profiles import Profile, default_path, save_profile
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task

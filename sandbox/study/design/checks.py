@@ -31,7 +31,7 @@ from sandbox.study.design.session_plan import (
     trials_of,
 )
 from sandbox.study.measures.measures import find_measure
-from sandbox.words.words import LANGUAGES, base, words_of_studies
+from sandbox.words import LANGUAGES, base, words_of_studies
 
 LONGEST_SESSION = 5400.0
 """Longest session without a warning, s. A rule of thumb: in a longer session, fatigue affects the

@@ -14,7 +14,7 @@ import msgspec
 
 from models.errors import HandSandboxError
 from sandbox.study.design.design import Design, Level
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 
 if TYPE_CHECKING:
     from sandbox.study.design.reading import Reader

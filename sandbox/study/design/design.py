@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from models.arithmetic import total
 from models.errors import StudyError
 from sandbox.study.design.reading import Text
-from sandbox.study.design.scoring import Scale
 from sandbox.study.measures.measures import Measure
 
 DEMOGRAPHICS = "demographics"
@@ -88,6 +88,45 @@ class Item:
     def called(self, choice: str, language: str) -> str:
         """Text of a stored choice in a language."""
         return self.means[self.choices.index(choice)][language] if self.means else choice
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A scale: the rule that computes one number from answers.
+
+    Attributes:
+        name: Name in tables.
+        rule: One of `fields.RULES`.
+        items: Names of the items, whose answers are numbers.
+        bounds: Lowest and highest answer of each item.
+        reverse: Items that are reversed: low + high - answer is used.
+        from_zero: True subtracts the lowest possible answer of an item from each answer.
+        factor: Factor by which the result is multiplied.
+        pairs: For `weighted`: names of the comparisons, whose answers are names of `items`.
+    """
+
+    name: str
+    rule: str
+    items: tuple[str, ...]
+    bounds: tuple[tuple[float, float], ...]
+    reverse: frozenset[str] = frozenset()
+    from_zero: bool = False
+    factor: float = 1.0
+    pairs: tuple[str, ...] = ()
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Lowest and highest possible score."""
+        lows = [0.0 if self.from_zero else low for low, _ in self.bounds]
+        highs = [high - (low if self.from_zero else 0.0) for low, high in self.bounds]
+        if self.rule == "sum":
+            ends = (total(lows), total(highs))
+        elif self.rule == "mean":
+            ends = (total(lows) / len(lows), total(highs) / len(highs))
+        else:
+            ends = (min(lows), max(highs))
+        low, high = sorted((ends[0] * self.factor, ends[1] * self.factor))
+        return low, high
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ from sandbox.study.measures.measures import (
     rule_measures,
 )
 from sandbox.trial.settings import PipelineSettings
-from sandbox.words.words import RESULT, values_of, words_in, words_of_studies
+from sandbox.words import RESULT, values_of, words_in, words_of_studies
 
 
 def load_design(path: Path, try_out: bool = True) -> Design:

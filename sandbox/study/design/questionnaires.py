@@ -1,9 +1,15 @@
-"""Reads questionnaires: from the design, from a file next to it, or from this package."""
+"""Questionnaires: reads them from the design, from a file next to it, or from this package, and
+computes their scores.
+
+Scores follow from answers by the rules of the scales. If an answer is missing, the score has no
+value, only the number of missing answers. Missing answers are not imputed.
+"""
 
 from __future__ import annotations
 
 import tomllib
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib.resources import files
 from pathlib import Path
@@ -11,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.study.design.design import Form, Item
+from models.arithmetic import total
+from sandbox.study.design.design import Form, Item, Scale
 from sandbox.study.design.fields import END, SCHEMA, START, WORDINGS
 from sandbox.study.design.reading import Mistake, Reader, Text, TomlTable
-from sandbox.study.design.scoring import Scale
 
 
 def instruments() -> dict[str, str]:
@@ -311,3 +317,47 @@ def _as_table(table: TomlTable, text: str, file: str) -> TomlTable | None:
             "file", f"{file} has another schema", f"This version reads schema {SCHEMA}"
         )
     return item_table
+
+
+@dataclass(frozen=True)
+class ScaleScore:
+    """Score of a scale.
+
+    Attributes:
+        value: The score; None if answers are missing.
+        missing: Number of missing answers.
+    """
+
+    value: float | None
+    missing: int
+
+
+def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
+    """Computes a score from answers, by item. An answer that is absent or None is missing."""
+    used = (*scale.items, *scale.pairs)
+    missing = sum(answers.get(name) is None for name in used)
+    if missing:
+        return ScaleScore(None, missing)
+    values = [
+        _counted(scale, name, float(answers[name]), bounds)
+        for name, bounds in zip(scale.items, scale.bounds, strict=True)
+    ]
+    if scale.rule == "weighted":
+        weights = tally(scale, answers)
+        products = (v * weights[name] for v, name in zip(values, scale.items, strict=True))
+        value = total(products) / total(weights.values())
+    else:
+        value = total(values) / (len(values) if scale.rule == "mean" else 1)
+    return ScaleScore(value * scale.factor, 0)
+
+
+def tally(scale: Scale, answers: Mapping[str, Any]) -> dict[str, int]:
+    """How often each item of a weighted scale was chosen in the comparisons of the scale."""
+    chosen = [answers.get(name) for name in scale.pairs]
+    return {name: chosen.count(name) for name in scale.items}
+
+
+def _counted(scale: Scale, name: str, value: float, bounds: tuple[float, float]) -> float:
+    low, high = bounds
+    value = low + high - value if name in scale.reverse else value
+    return value - low if scale.from_zero else value

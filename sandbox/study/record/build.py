@@ -42,7 +42,6 @@ COMPUTES = (
     "tasks",
     "tasks/simulated_user",
     *_with_packages_below("sandbox/devices"),
-    "sandbox/hand",
     "sandbox/play",
     "sandbox/recording",
     "sandbox/session",

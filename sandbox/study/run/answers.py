@@ -11,7 +11,7 @@ from typing import Any
 from models.errors import StudyError
 from sandbox.study.design.design import Item
 from sandbox.study.record.journal import plain_text
-from sandbox.words.words import base
+from sandbox.words import base
 
 Answers = dict[str, Any]
 

@@ -18,7 +18,7 @@ from models.errors import StudyError
 from sandbox.study.design.design import Form, Item, PageSettings
 from sandbox.study.run.answers import Answers, Draft, question, read_answer
 from sandbox.study.run.controls import YES_OR_NO, Terminal
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tasks.task import summary
 
 Poll = Callable[[], None]

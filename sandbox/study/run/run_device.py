@@ -37,7 +37,7 @@ from sandbox.study.run.simulated_study import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.assembly import DeviceMaker, DeviceMakers, shared_makers, with_lift
 from sandbox.trial.settings import Settings
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tasks.task import Task
 from tasks.user import UserConfiguration
 

@@ -34,7 +34,7 @@ from sandbox.trial.assembly import DeviceMakers
 from sandbox.trial.driver import TICK
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 
 OpenDevices = Callable[[TrialStep, Settings], DeviceMakers]
 """Returns functions that open the devices of a trial, one for every hand."""

@@ -29,7 +29,7 @@ from sandbox.study.design.session_plan import (
 )
 from sandbox.study.run.answers import question
 from sandbox.study.run.forms import texts_by_design
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 
 STYLE = """
 body { margin: 2rem auto; max-width: 44rem; padding: 0 1rem; font: 11pt/1.45 system-ui, sans-serif;

@@ -22,7 +22,7 @@ from sandbox.server.screen import room
 from sandbox.server.web import WebDevice
 from sandbox.study.design.design import PageSettings
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 
 SLACK = 0.02
 """Share by which a screen may be smaller than the touch rectangle, since the screen is measured by

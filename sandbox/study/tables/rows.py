@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.fields import LISTED
-from sandbox.study.design.scoring import score
+from sandbox.study.design.questionnaires import score
 from sandbox.study.design.session_plan import FormStep, session_plan
 from sandbox.study.record import records as kinds
 from sandbox.study.record.journal import Record

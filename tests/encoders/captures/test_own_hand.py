@@ -12,8 +12,8 @@ from sandbox.cli.play import PlayOptions
 from sandbox.devices.leap.guided_calibration import measure_and_save
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.hand.profiles import own_calibration_path
 from sandbox.play.own_profile import with_measured_hand
+from sandbox.trial.profiles import own_calibration_path
 from tests.support.leap_hands import take
 
 

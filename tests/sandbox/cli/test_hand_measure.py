@@ -22,8 +22,8 @@ from sandbox.cli.hand.command import main
 from sandbox.cli.play import PlayOptions
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.hand.profiles import Profile, default_path, load_profile, save_profile
 from sandbox.trial.driver import open_trial, play_trial
+from sandbox.trial.profiles import Profile, default_path, load_profile, save_profile
 from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 

@@ -14,12 +14,12 @@ from rich.console import Console
 from models.errors import InputError
 from models.person import Person
 from sandbox.cli.play import PlayOptions
-from sandbox.hand.profiles import Profile, load_profile, save_profile
 from sandbox.play.own_profile import Learner, with_usable_profile
 from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.server.page_options import PageOptions
 from sandbox.trial.logs import EventLog
+from sandbox.trial.profiles import Profile, load_profile, save_profile
 from sandbox.trial.trial_options import trial_settings
 from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page

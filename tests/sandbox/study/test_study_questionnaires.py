@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 
 from sandbox.study.design.design import Form
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.questionnaires import arranged, instruments
+from sandbox.study.design.questionnaires import arranged, instruments, score, tally
 from sandbox.study.design.reading import DesignError
-from sandbox.study.design.scoring import score, tally
 from tests.support.study_files import DESIGN, design
 
 TLX = ("mental", "physical", "temporal", "performance", "effort", "frustration")

@@ -11,7 +11,7 @@ from encoders.person.rest_posture import rest_samples, save_rest
 from models.errors import InputError
 from models.person import Person, RestSamples
 from sandbox.cli.main import main
-from sandbox.hand.profiles import Profile, load_profile, save_profile
+from sandbox.trial.profiles import Profile, load_profile, save_profile
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 

@@ -14,7 +14,7 @@ import pytest
 from models.message import Message
 from sandbox.server.page_frames import localised
 from sandbox.study.design.fields import WORDINGS
-from sandbox.words.words import (
+from sandbox.words import (
     GROUPS,
     LANGUAGES,
     language,

@@ -32,7 +32,7 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import View, play_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tasks.task import Task
 from tasks.user import UserConfiguration
 from tests.encoders.air.joint_hands import joints, points

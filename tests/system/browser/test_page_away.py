@@ -11,7 +11,7 @@ import pytest
 
 from sandbox.server import clients
 from sandbox.server.page_server import PageServer
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser
 from tests.system.browser.away_page import (

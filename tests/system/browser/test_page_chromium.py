@@ -22,7 +22,7 @@ from sandbox.server.page_frames import describe_scene
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import LIFT_STRIP_PX
 from sandbox.server.screen import rectangle
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.staged_page import (
     BESIDE_LIFT,
     HEIGHT,

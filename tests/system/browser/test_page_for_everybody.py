@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from sandbox.words.words import LANGUAGES
+from sandbox.words import LANGUAGES
 from tests.support.chromium import BINARY, Browser
 from tests.support.needs import AXE
 from tools.docs.page_languages import OVERFLOWS, SIZES, USUAL, moments

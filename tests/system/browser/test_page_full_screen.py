@@ -14,7 +14,7 @@ import pytest
 from sandbox.server.page_server import PageServer, tls_context
 from sandbox.server.protocol import Sheet, StudyView
 from sandbox.server.static import StaticFiles
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, TASKS, WIDTH, staged
 from tests.support.chromium import BINARY, Browser, Tab
 

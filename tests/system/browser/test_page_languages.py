@@ -16,7 +16,7 @@ from sandbox.session.collision_gating import STUCK
 from sandbox.study.design.design import Design
 from sandbox.study.record.folder import PILOT, StudyFolder
 from sandbox.study.run.runner import SessionOutcome
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, TASKS, WIDTH, staged
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.sandbox.study.study_on_page import PPI, OnPage, on_page

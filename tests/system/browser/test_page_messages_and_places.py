@@ -18,7 +18,7 @@ from models.frames import TouchFrame
 from sandbox.server.page_server import PageServer
 from sandbox.session.collision_gating import STUCK
 from sandbox.session.messages import Snapshot
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.staged_page import KEY, PPI, READY, frames, px, staged
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.chromium import BINARY, Browser, Tab

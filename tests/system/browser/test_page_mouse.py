@@ -14,7 +14,7 @@ import pytest
 
 from sandbox.devices.mouse.mouse import WHEEL_FACTOR, default_hand
 from sandbox.session.messages import Snapshot
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser
 from tests.support.processes import PATIENCE

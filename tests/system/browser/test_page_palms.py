@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.system.browser.away_page import DRAWN, HEIGHT, WIDTH, playing

@@ -19,7 +19,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import StudyView
 from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import TrialOptions
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.play.played_page import played
 from tests.sandbox.server.staged_page import READY
 from tests.sandbox.server.test_page_server import wait_for

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.server.page_server import PageServer
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, WIDTH, staged
 from tests.sandbox.server.test_page_server import Stage
 from tests.support.chromium import BINARY, Browser, Tab

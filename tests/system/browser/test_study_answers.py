@@ -13,7 +13,7 @@ import pytest
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import ItemAnswer, ItemView, Sheet, StudyView
 from sandbox.study.record.journal import read_journal
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import HEIGHT, KNOWN, SMALL, WIDTH, OnPage, on_page, study_in
 from tests.support.chromium import BINARY, Browser, Tab

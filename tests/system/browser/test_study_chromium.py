@@ -19,7 +19,7 @@ from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import (
     HEIGHT,

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.study.study_on_page import HEIGHT, KNOWN, WIDTH, OnPage, on_page, study_in
 from tests.support.chromium import BINARY, Browser, Tab
 

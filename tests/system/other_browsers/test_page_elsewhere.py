@@ -13,7 +13,7 @@ from PIL import Image
 
 from sandbox.server import clients
 from sandbox.server.page_server import PageServer
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.server.staged_page import (
     HEIGHT,
     KNOWN,

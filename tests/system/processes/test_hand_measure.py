@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.hand.profiles import load_profile
+from sandbox.trial.profiles import load_profile
 from tests.support.processes import python
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.scoring import score
+from sandbox.study.design.questionnaires import score
 from sandbox.study.report.data import load_study
 from sandbox.study.report.numbers import CONFIRMATORY, EXPLORATORY, Pair, holm, results
 from sandbox.study.tables.codebook import codebook, columns_by_table

@@ -14,7 +14,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import recorded_settings
-from sandbox.words.words import words_in
+from sandbox.words import words_in
 from tests.sandbox.study.study_on_page import OnPage, on_page, study_in, touch
 from tests.support.page_client import SCREEN, Page
 from tests.support.study_files import PAIRS

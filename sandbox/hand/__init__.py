@@ -1,1 +1,0 @@
-"""Measurements of a person's hand: size and layouts from touches, and the posture at rest."""
