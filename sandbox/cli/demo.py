@@ -93,7 +93,7 @@ def _keep(kept: list[Snapshot], snapshot: Snapshot) -> None:
 
 def _live(session: Session, kept: list[Snapshot], console: Console) -> bool:
     """Plays in a window in real time; returns False if no window can be opened."""
-    from sandbox.views.window.window import Window
+    from sandbox.views.window import Window
 
     surface = session.whole_surface
     try:

@@ -44,7 +44,7 @@ def show_in_window(
     """
     # glfw looks for a screen as soon as it is imported.
     from sandbox.play.pages import in_air
-    from sandbox.views.window.window import REPLAY_HELP, Window
+    from sandbox.views.window import REPLAY_HELP, Window
 
     with Window(
         session.scene,

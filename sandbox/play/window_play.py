@@ -51,7 +51,7 @@ from sandbox.trial.logs import EventLog, LatencyLog, Timing, timed
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from sandbox.views.window.window import SIZE, Window
+from sandbox.views.window import SIZE, Window
 from sandbox.words import words_in
 from tasks.score import Status
 from tasks.task import Task, summary

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from PIL import Image
 
-from sandbox.views.window.window import Window
+from sandbox.views.window import Window
 
 
 def screenshot(window: Window) -> Image.Image:

@@ -61,7 +61,6 @@ LEFT_OUT = {
     "sandbox/server": "it connects the page; the touches that it receives are recorded",
     "sandbox/system": "it locks and flushes files",
     "sandbox/views": "it shows the simulation",
-    "sandbox/views/window": "it shows the simulation",
     "sandbox/words": "it has texts for people; no state depends on them",
 }
 """Folders that files of `COMPUTES` import but that the digest leaves out, each with the reason."""

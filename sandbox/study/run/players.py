@@ -120,7 +120,7 @@ class WindowPlayer:
     _window: Any = field(default=None, repr=False)
 
     def play(self, request: TrialRequest) -> PlayedAttempt:
-        from sandbox.views.window.window import Window
+        from sandbox.views.window import Window
 
         attempt = RunningAttempt(request)
         with attempt.open() as trial:

@@ -14,7 +14,7 @@ from models.frames import HandFrame
 from sandbox.devices.device import Closeable
 from sandbox.views.paalm.picture import SIZE, PaalmPicture
 from sandbox.views.renderer import LARGEST
-from sandbox.views.window.context import WindowContext
+from sandbox.views.window_context import WindowContext
 
 RATE = 30.0
 """Largest number of pictures per second; a device sends up to 290 frames per second."""

@@ -17,9 +17,9 @@ from sandbox.devices.wrappers.playing import SPEED, LiftKeys
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings
+from sandbox.views import window as drawing_quality
 from sandbox.views.renderer import Renderer
-from sandbox.views.window import window as drawing_quality
-from sandbox.views.window.window import Window
+from sandbox.views.window import Window
 from tests.support.processes import printed
 from tests.support.screen import Screen, screen
 from tests.support.scripted import Script
@@ -308,7 +308,7 @@ def test_a_film_is_drawn_beside_an_open_window_and_both_are_right(desk: Desk) ->
 def test_without_a_screen_one_error_says_so() -> None:
     code = (
         "from tests.support.viewed import viewed\n"
-        "from sandbox.views.window.window import Window\n"
+        "from sandbox.views.window import Window\n"
         "from sandbox.views.display import GraphicsError\n"
         "v = viewed()\n"
         "try:\n"

@@ -25,8 +25,8 @@ from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.logs import LatencyLog, TimedDevice, Timing
 from sandbox.trial.settings import Settings
-from sandbox.views.window import window as drawing_quality
-from sandbox.views.window.window import SPEEDS
+from sandbox.views import window as drawing_quality
+from sandbox.views.window import SPEEDS
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE, ROOT
 from tests.support.screen import Screen, screen

@@ -26,7 +26,7 @@ from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera
 from sandbox.views.overlay import OverlayTexts
 from sandbox.views.renderer import LARGEST, Renderer
-from sandbox.views.window.context import BorrowedContext, WindowContext
+from sandbox.views.window_context import BorrowedContext, WindowContext
 
 HINT = ("h or ?  keys",)
 MOUSE_HELP = (
