@@ -10,7 +10,7 @@ from rich.console import Console
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.cli.study.people import find_participant
+from sandbox.cli.study.run import find_participant
 from sandbox.cli.study.run_options import StudyRunOptions
 from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.record.folder import StudyFolder
