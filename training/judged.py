@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 
 from encoders.capture import Capture
-from encoders.evaluation.subjects import Progress, Subject, first_subject, json_values
+from encoders.captures.subject.subject import Progress, Subject, first_subject, json_values
 from models.errors import EncoderError
 from training.population.population import PEOPLE, simulate_population
 from training.second_subject import FROZEN, SEED, simulate

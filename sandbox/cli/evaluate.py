@@ -21,7 +21,7 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 
 if TYPE_CHECKING:
-    from encoders.evaluation.subjects import Subject
+    from encoders.captures.subject.subject import Subject
 
 BUILTIN = "builtin"
 PAALM_SIMULATED = "simulated"
@@ -127,7 +127,7 @@ def main(argv: list[str]) -> int:
         print("\nWith --paalm:\n", flush=True)
         parse(PaalmJudgeOptions, "sandbox evaluate", ["--help"])
         raise
-    from encoders.evaluation.subjects import first_subject
+    from encoders.captures.subject.subject import first_subject
 
     return measure(options, first_subject())
 

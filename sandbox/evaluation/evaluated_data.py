@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from encoders.capture import Capture, load_capture
+from encoders.captures.subject.subject import TRAINING_DAY, Subject
 from encoders.evaluation.methods import Training
-from encoders.evaluation.subjects import TRAINING_DAY, Subject
 from encoders.regression.trained import builtin_capture, load_model
 from encoders.validation import trial_folds
 from models.errors import CaptureError, InputError

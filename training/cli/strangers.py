@@ -21,11 +21,11 @@ from rich.progress import Progress
 from rich.table import Table
 
 from encoders.capture import Capture
+from encoders.captures.subject.subject import TRAINING_DAY
 from encoders.evaluation.labels import takes
 from encoders.evaluation.person_model import estimated
 from encoders.evaluation.pose_errors import pose_errors
 from encoders.evaluation.result_values import block_interval, plain
-from encoders.evaluation.subjects import TRAINING_DAY
 from encoders.labels.belief import BeliefLabels, builtin_population_belief
 from encoders.person.rest_posture import MOST, knowing_rest, rest_samples
 from encoders.regression.trained import POPULATION, TrainedModel, builtin

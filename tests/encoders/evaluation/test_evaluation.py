@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
+from encoders.captures.subject.subject import first_subject
 from encoders.correction import PAD_HEIGHT
 from encoders.evaluation import EncoderMethod, evaluate_method
 from encoders.evaluation.labels import own_labels
@@ -23,7 +24,6 @@ from encoders.evaluation.pose_errors import (
     tip_errors,
 )
 from encoders.evaluation.result_values import report
-from encoders.evaluation.subjects import first_subject
 from encoders.labels.labelling import Labelling
 from encoders.regression.trained import builtin_capture
 from models.arithmetic import Array
