@@ -24,7 +24,6 @@ ROOMS = (
     "tasks/simulated_user/*.py",
     "sandbox/devices/*.py",
     "sandbox/devices/simulated/*.py",
-    "sandbox/devices/simulated/*/*.py",
     "sandbox/devices/wrappers/*.py",
     "sandbox/session/*.py",
     "sandbox/trial/*.py",

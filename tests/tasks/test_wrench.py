@@ -18,7 +18,7 @@ from models.objects import BOLT_LIFT, HANDLE, JAW, THICKNESS, Wrench, bolt_place
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
-from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
+from sandbox.devices.simulated.air_person import hold_of, pinch_motion
 from tasks.simulated_user.grasp import within_comfort
 from tasks.simulated_user.handling import WrenchHandling, handling_of
 from tasks.simulated_user.user_hand import Hand

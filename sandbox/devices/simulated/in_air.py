@@ -17,8 +17,7 @@ from models.person import Person
 from models.skeleton import ADULT
 from sandbox.devices.device import HandDevice
 from sandbox.devices.simulated import NEXT_PERSON
-from sandbox.devices.simulated.air_user.holds import check_holdable
-from sandbox.devices.simulated.air_user.person import AirCarrier, AirPerson
+from sandbox.devices.simulated.air_person import AirCarrier, AirPerson, check_holdable
 from sandbox.devices.webxr.joints import FINGER_JOINTS, seen_hand
 from sandbox.server.protocol import JOINTS_OF_A_HAND, SeenJoints
 from sandbox.session.messages import Snapshot
