@@ -30,8 +30,8 @@ from sandbox.cli.main import main
 from training import second_subject as second
 from training.second_subject import SLENDER
 from training.second_subject.hand import LAST, ROLL, attitude
-from training.second_subject.measurement import Markers
 from training.second_subject.placing import reach
+from training.second_subject.session import Markers
 
 ROOT = Path(__file__).resolve().parents[2]
 HAND = Kinematics(ADULT)
