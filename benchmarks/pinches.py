@@ -20,8 +20,7 @@ from rich.table import Table
 
 from encoders.capture import Capture
 from encoders.labels.belief import builtin_population_model
-from encoders.labels.finger_use import odds_of_sets
-from encoders.labels.labelling import true_row
+from encoders.labels.labelling import odds_of_sets, true_row
 from encoders.labels.pair_network import USUAL_SETS, NetworkEvidence
 from models.arithmetic import Array
 from training.judged import JUDGED, NEXT, pinned_people

@@ -39,7 +39,7 @@ from encoders.labels.belief import (
     PopulationBelief,
     builtin_population_belief,
 )
-from encoders.labels.finger_use import LogOdds, odds_of_sets
+from encoders.labels.labelling import LogOdds, odds_of_sets
 from encoders.labels.pair_network import USUAL_SETS
 from training.judged import JUDGED, NEXT, pinned_people, subject
 from training.names import train_names

@@ -53,10 +53,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.labels.finger_use import LogOdds
 from encoders.labels.labelling import (
     LEAST,
     Labelling,
+    LogOdds,
     allowed,
     arranged,
     bounded,
@@ -493,7 +493,7 @@ class BeliefLabels:
     Attributes:
         own: The person's own layouts so far.
         odds: Log factors on the labellings for the fingers that are in use
-            (`encoders.labels.finger_use`). They restrict the answer, not the belief.
+            (`encoders.labels.labelling`). They restrict the answer, not the belief.
     """
 
     remembers = True

@@ -20,7 +20,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from encoders.labels.finger_use import parse_finger_sets
+from encoders.labels.labelling import parse_finger_sets
 from models.errors import InputError
 from models.frames import FINGERS
 from models.person import HANDS

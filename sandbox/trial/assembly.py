@@ -19,8 +19,7 @@ import numpy as np
 
 from encoders.correction import CorrectionSettings
 from encoders.labels.belief import BeliefLabels, builtin_population_belief
-from encoders.labels.finger_use import odds_of_first, odds_of_sets, parse_finger_sets
-from encoders.labels.labelling import Labeller
+from encoders.labels.labelling import Labeller, odds_of_first, odds_of_sets, parse_finger_sets
 from encoders.labels.pair_network import USUAL_SETS
 from encoders.person.natural_layout import YawMonitor, YawRange
 from encoders.reconstruction.contact_tracker import TrackerSettings

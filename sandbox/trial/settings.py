@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import msgspec
 
-from encoders.labels.finger_use import parse_finger_sets
+from encoders.labels.labelling import parse_finger_sets
 from encoders.regression.encoder_registry import find_encoder
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError, RecordingError

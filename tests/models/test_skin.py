@@ -23,12 +23,12 @@ from scipy.sparse.csgraph import connected_components
 from models.arithmetic import Array
 from models.hand import Hand
 from models.kinematics import Kinematics
+from models.motion.gltf import glb, main
 from models.pose import POSE_SIZE, mirrored
 from models.rotations import exp, quaternion_to_matrix
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT, Skeleton
 from models.skin.skin import FULL, Skin, frames, normals_of
-from models.skin.skinned_glb import glb, main
 from sandbox.views.hand_appearance import skinned_model
 from tests.support.node_readers import ask
 from training.skin.field import HandField

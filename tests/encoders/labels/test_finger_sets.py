@@ -6,8 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from encoders.labels.finger_use import odds_of_first, odds_of_sets, parse_finger_sets
-from encoders.labels.labelling import finger_sets
+from encoders.labels.labelling import finger_sets, odds_of_first, odds_of_sets, parse_finger_sets
 from encoders.labels.pair_network import USUAL_SETS
 from models.errors import InputError
 from models.frames import FINGERS
