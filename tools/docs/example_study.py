@@ -37,9 +37,9 @@ say nothing about people. The design is
 [examples/study/report.html](../examples/study/report.html) (save it, and open it in a browser).
 `python -m tools.docs.example_study FOLDER` wrote this page and all numbers in it.
 
-The level `paper` is the whole method of the paper. Its encoder is a quadratic, too, and it differs
-from the level `quadratic` in labels, correction and smoothing. Differences between these two levels
-are therefore effects of these three parts, not of the encoder.
+The level `paper` is the whole method of the paper. Its encoder is also a quadratic: it differs
+from the level `quadratic` only in labels, correction and smoothing. Differences between these two
+levels are therefore effects of these three parts, not of the encoder.
 
 ```console
 $ sandbox study check {design}
@@ -53,9 +53,9 @@ $ sandbox study simulate {design} --out out --participants {people}
 $ sandbox study report out/three-encoders-simulated
 ```
 
-The design plans {planned} participants. For this page {people} simulated ones were played, and
-no people. They differ in skill (reaction, speed, noise, aim), in the number of fingers, in the
-length of the hand, and in which hand is the better one: `sandbox/study/run/simulated_study.py`.
+The design plans {planned} participants. For this page {people} simulated participants were
+played. They differ in skill (reaction, speed, noise, aim), number of fingers, length of the hand,
+and better hand: `sandbox/study/run/simulated_study.py`.
 **Their answers to questionnaires are random**, and so are the differences between encoders in these
 answers. The encoders learned from simulated people, too.
 

@@ -593,8 +593,8 @@ def _carried_over(data: StudyData, one: Compared) -> Table | None:
         f"{one.what.title}: differences by the level that came first",
         ["", "The first level first", "The second first", "Apart"],
         rows,
-        "In a row `B against A`, A is the first level and B the second. The two differences differ "
-        "if one level has an effect on the next level.",
+        "In a row `B against A`, A is the first level and B the second. The two differences are "
+        "unequal if one level affects the next level.",
     )
 
 
