@@ -139,7 +139,7 @@ CHOICE, TABLE, SESSIONS = "word", "table", "list of sessions"
 
 _AT = Field("at", CHOICE, "`start`, `end`, or a factor: before each of its levels", START)
 _SESSIONS = Field(
-    "sessions", SESSIONS, "sessions in which it comes, such as `[1]`; without it, all sessions"
+    "sessions", SESSIONS, "sessions in which it comes, such as `[1]`; by default all sessions"
 )
 
 _TABLES: dict[str, tuple[Field, ...]] = {
