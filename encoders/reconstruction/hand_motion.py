@@ -1,8 +1,8 @@
 """Motion of a hand from step to step: smoothing, arrival, lift, and bounds on its speed.
 
 *Smoothing* of the posture takes place in surface coordinates, never on poses relative to the
-leftmost contact. This reference jumps by the width of a hand when another finger becomes the
-leftmost contact.
+leftmost contact. When another finger becomes the leftmost contact, this origin jumps by the width
+of a hand.
 
 *Arrival*: the hand hovers as a ghost over its place. It comes down from above once it is over its
 place and the touches rest, and rises when the touches lift. Task success depends more on this path
@@ -221,8 +221,8 @@ class Arrival:
             dt: Length of the step (s).
             touched: True if there is a contact; for a hand that is down, only labelled contacts
                 count.
-            named: True if all contacts have labels. While the hand is coming down or down, a new
-                contact without a label does not lift the hand.
+            named: True if all contacts have labels. A hand that is down, or comes down, is not
+                lifted by a new contact without a label.
             speed: Speed (m/s) of the fastest contact.
             off: Distance (m) of the hand from its place, seen along the surface's normal.
             moved: Largest distance (m) of a contact from its place `dwell` seconds ago; infinite if

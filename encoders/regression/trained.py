@@ -79,7 +79,8 @@ MODEL_ARRAYS = (
 """Names of the arrays in a model's file that do not belong to its encoder."""
 
 _STEPS = 3
-"""Number of Gauss-Newton steps; tips are then as exact as the variance of the touches requires."""
+"""Number of Gauss-Newton steps after which tips are as exact as the variance of touches
+requires."""
 
 _LIFTED_VARIANCE = 1e6
 """Variance (m2) of fingertips that do not touch, whose position is unknown."""
@@ -99,8 +100,8 @@ class TrainedModel:
         meta: Origin of the capture, simulated or not, degree and ridge; JSON values.
         correction: Corrects estimated poses of the captured person by the touches, for evaluations.
             Sessions do not use it, since the simulated hand has other bones.
-        personal_covariance: (48, 48) part of the covariance that comes from errors that are
-            constant for a person, in the frame that turns with the hand; None for a model of one
+        personal_covariance: (48, 48) part of the covariance due to errors that are constant for a
+            person. It is given in the frame that turns with the hand. None for a model of one
             person.
     """
 

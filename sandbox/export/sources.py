@@ -144,7 +144,7 @@ def _sides(
     pictures = len(recording.frames)
     remarks = [
         f"a {s} hand is reported in {seen[s]} of {pictures} pictures, {both} of them with both "
-        f"hands: it counts as the {most} hand where the {most} hand was; --hand {s} exports it"
+        f"hands: near the {most} hand's place, it is taken for this hand; --hand {s} exports it"
         for s in there
         if hand is None and s not in wanted
     ]
@@ -356,7 +356,7 @@ def _capture(capture: Capture, where: str, take: int) -> MotionSource:
 def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
     """Yields steps (n,), joint positions (n, nq) and an empty text for each `track` line.
 
-    If the file is damaged, the last item has no poses and the error text.
+    If the file is damaged, the last item has the error text in place of poses.
     """
     nothing, number, ended, any_track, last = np.zeros(0), 0, False, False, -1
     try:

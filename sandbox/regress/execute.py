@@ -115,7 +115,8 @@ def crashed(job: TrialJob, why: str) -> Trial:
 
 
 def attempt(job: TrialJob) -> Trial | HandSandboxError:
-    """Runs one trial. Failing code gives a crashed trial; an error in settings is returned."""
+    """Runs one trial. If its code fails, the trial is crashed; an error in its settings is
+    returned."""
     try:
         return run_job(job)
     except HandSandboxError as error:

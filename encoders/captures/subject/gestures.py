@@ -318,6 +318,6 @@ def _free_take(
         ]
     )
     mixture = rng.dirichlet(np.full(len(GESTURES), configuration.free_style))
-    # The largest share of a mixture of four is about a half on average.
+    # Of the four shares of a mixture, the largest is about a half on average.
     amplitudes = np.minimum(1.0, configuration.free_amplitude * mixture)
     return Take(down, amplitudes, configuration.test_rate)

@@ -287,7 +287,7 @@ MEASURES: tuple[Measure, ...] = (
         "hinge_efficiency",
         "0 to 1",
         "Efficiency of the hinge",
-        "sum of the net turns of these hinges from start to end, divided by hinge_travel_deg",
+        "sum of the net turns of the hinges of all parts with a goal, divided by hinge_travel_deg",
         _group(joints, "hinge_efficiency"),
         HIGH,
     ),
@@ -305,7 +305,8 @@ MEASURES: tuple[Measure, ...] = (
         "slide_efficiency",
         "0 to 1",
         "Efficiency of the slide",
-        "sum of the net displacements of these slides from start to end, divided by slide_travel_m",
+        "sum of the net displacements of the slides of all parts with a goal, divided by "
+        "slide_travel_m",
         _group(joints, "slide_efficiency"),
         HIGH,
     ),
