@@ -153,6 +153,11 @@ class Tab:
     def go(self, url: str) -> None:
         self.call("Page.navigate", url=url)
 
+    def reload(self) -> None:
+        """Loads the page anew; returns once the page before is gone."""
+        self.evaluate("window.isBefore = true; location.reload()")
+        self.wait("!window.isBefore")
+
     def resize(self, width: int, height: int) -> None:
         self.call(
             "Emulation.setDeviceMetricsOverride",

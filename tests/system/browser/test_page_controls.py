@@ -276,7 +276,7 @@ def test_a_lifted_hand_stays_lifted_through_a_reload(browser: Browser, tmp_path:
         now = "document.querySelector('[role=slider]').getAttribute('aria-valuenow')"
         page.tab.wait(f"{now} === '60'")
         page.tab.touch([])
-        page.tab.evaluate("location.reload()")
+        page.tab.reload()
         assert wait_for(lambda: page.pause == "back")
         page.tab.wait(DRAWN)
         assert page.tab.wait(f"{now} === '60'")

@@ -176,7 +176,7 @@ def test_one_finger_in_a_task_that_needs_two_is_told_so_where_it_is(
     with playing(browser, tmp_path, "stack") as page:
         tab = page.tab
         watch(tab)
-        tab.evaluate("location.reload()")
+        tab.reload()
         tab.wait(DRAWN)
         until, moved = time.monotonic() + PATIENCE, 0
         while ENGLISH["use_two"] not in seen(tab):
@@ -211,7 +211,8 @@ def test_the_fingers_that_a_player_uses_are_chosen_by_pictures(
         assert wait_for(
             lambda: bool(shown._shown) and shown._shown.message.finger_sets == "thumb+index+middle"
         )
-        tab.wait(DRAWN)
+        # The page still shows the table before, until the next one has come.
+        tab.wait("document.querySelector('.preparing').hidden")
         tab.tap(ENGLISH["settings"])
         tab.tap(ENGLISH["fingers_used"])
         chosen = "document.querySelector('.choice.current').innerText"

@@ -144,7 +144,7 @@ def test_a_design_that_shows_them_has_a_demonstration_a_hint_and_a_result(
         how = ENGLISH["how_box-to-goal"]
         sees(tab, *task, ENGLISH["demonstration"], how)
         # A page that is loaded anew has it, too.
-        tab.evaluate("location.reload()")
+        tab.reload()
         tab.wait(PLAYS_ALONE)
         tab.touch(PUSHED)
         sees(tab, *task, how)
