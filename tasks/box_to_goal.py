@@ -46,10 +46,11 @@ class BoxToGoal(TaskDefaults):
     Scene: a cube with edges of 5 cm and a mass of 50 to 250 g on a table. The friction coefficient
     between box and table is 0.5.
     Goal: the box's ghost, 5 to 10 cm away and turned by up to 45 degrees.
-    Success: for 0.5 s without a break, within 30 s, all of these hold: the centre is within 1 cm of
-    the goal (in three dimensions), the yaw is within 10 degrees of the goal, the tilt is under 5
-    degrees, the box touches the table, is slower than 1 cm/s, and no hand touches it. A cube looks
-    the same after every quarter turn, so the yaw counts to the nearest of the four equal poses.
+    Success: within 30 s, all of these hold for 0.5 s without a break: the centre is within 1 cm of
+    the goal (in three dimensions); the yaw is within 10 degrees of the goal; the tilt is under 5
+    degrees; the box touches the table; the box is slower than 1 cm/s; no hand touches it. A cube
+    looks the same after every quarter turn, so the yaw counts to the nearest of the four equal
+    poses.
     Start: start and goal are uniform over the part of the surface that is at least 42 mm from its
     border, and redrawn until their distance is in range. The yaw is uniform within 45 degrees of
     the surface's axes, and the turn to the goal is uniform within 45 degrees.

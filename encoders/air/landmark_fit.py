@@ -2,10 +2,10 @@
 
 The engine that finds the landmarks locates each joint well in the picture, and poorly in depth: the
 distances between its joints change from picture to picture. In the fit, bones have fixed lengths,
-joints stay in their ranges, and the last joint of each finger follows the middle joint. The points
-of the fitted pose appear at the landmarks. A single picture leaves some angles open: a finger may
-point a little towards the camera or away from it. These angles follow from the engine's guess of
-depth, from usual postures, and from the previous picture.
+joints stay in their ranges, and the last joint of each finger follows the middle joint. Seen by the
+camera, the points of the fitted pose lie at the landmarks. A single picture leaves some angles
+open: a finger may point a little towards the camera or away from it. These angles follow from the
+engine's guess of depth, from usual postures, and from the previous picture.
 
 The fit is one least-squares problem of 48 unknowns, solved by a few Gauss-Newton steps from the
 previous pose. Landmarks that fit badly count less (Cauchy's weights). Joints stay in their ranges:
@@ -52,8 +52,8 @@ OF_POINTS = (WRIST, 1, 2, *(k + i for k in KNUCKLES for i in range(3)), 4, 8, 12
 _KNUCKLE_POINTS = (3, 6, 9, 12)
 
 TIP_BEYOND = 0.5
-"""Share of a fingertip's radius by which the engine's landmark of a tip lies beyond the centre of
-our tip's sphere, along the bone."""
+"""The engine puts a tip's landmark farther out along the bone than the centre of our tip's sphere:
+by this share of the sphere's radius."""
 
 
 class HandPoints:
@@ -195,13 +195,14 @@ class FitSettings:
             (degrees).
         neighbour: Spread of the difference between the flexions of neighbouring fingers (degrees).
         coupling: Flexion of the last joint as a linear function of that of the middle joint.
-        linear, toward, angular: Spreads of speeds between two pictures: of the wrist across the
-            camera's axis and along it (m/s), and of the rotations of wrist and joints (rad/s).
-        steps, first_steps: Gauss-Newton steps that start from the previous pose, and that start
-            from the first guess.
+        linear: Spread of the wrist's speed across the camera's axis between two pictures (m/s).
+        toward: Spread of the wrist's speed along the camera's axis (m/s).
+        angular: Spread of the speeds of rotation of wrist and joints (rad/s).
+        steps: Number of Gauss-Newton steps from the previous pose.
+        first_steps: Number of Gauss-Newton steps from the first guess.
         thumb_steps: Additional steps for the thumb.
-        doubt: Error (m) of a picture beyond which the fit is repeated from the first guess, and the
-            better result is used.
+        doubt: Error (m) of a picture beyond which the fit is repeated from the first guess. The
+            repeated fit is used if it is clearly better.
     """
 
     picture: float = 0.005
@@ -386,15 +387,16 @@ class LandmarkFit:
 _LEAST_TIME = 0.001
 """Least time between two pictures (s)."""
 _BETTER = 0.8
-"""A restarted fit replaces the fit from the previous picture if its error is less than this share
-of the other error."""
+"""The fit from the first guess is used only if its error is below this share of the error of the
+fit from the previous pose."""
 _LEAST_PALM, _SCALES = 0.01, (0.5, 2.0)
-"""Least size (m) of the engine's palm, and limits of the factor on its size."""
+"""Least size (m) of the palm in the engine's landmarks, and limits of the factor that scales the
+engine's depths to our hand."""
 _NEAREST = 0.03
 """Least distance of a point from the lens (m)."""
 _DAMPING = 1e-3
 _STILL = 1e-5
-"""Length (m or rad) of a step below which the search ends."""
+"""Largest component (m or rad) of a step below which the search ends."""
 _CENTRED = 1e-9
 """Tangent of the angle from the middle of the picture, below which a hand counts as centred."""
 

@@ -13,10 +13,11 @@ contacts. Three events change it.
   their labels. When one finger lifts and another lands, the two contacts were never down together
   but belong to one posture. A lifted contact's place is therefore shifted along with the contacts
   that stayed, until these have moved so far that the place is no longer informative.
-- Contacts land. The belief about the old contacts is multiplied by p(all|layout) / p(old|layout). A
-  remembered contact is either an old contact, whose finger is still lifted, or one of the new
-  contacts, whose finger has returned. Old contacts that have moved since their last evaluation are
-  evaluated again.
+- Contacts land. The belief about the old contacts is multiplied by
+  p(labels of all | layout of all) / p(labels of the old | layout of the old). The finger of a
+  remembered contact is either still lifted, or has returned. In the first case the contact counts
+  as a further old contact; in the second case it is one of the new contacts. Old contacts that have
+  moved since their last evaluation are evaluated again.
 
 Early mistakes are thus stored as uncertainty, which later frames can correct.
 
@@ -33,8 +34,9 @@ This evidence is a kernel density of touch layouts. A layout consists of the pos
 relative to their mean, so that the density does not depend on the hand's place on the surface.
 Every set of fingers has a kernel density over known layouts. Hands rotate and open as a whole, and
 known layouts have only some of these rotations and openings. Each kernel is therefore stretched
-along the rotation and the size of its layout. With layouts as complex vectors x and p, both
-directions follow from one inner product <p, x>, so such a kernel costs no more than a round kernel.
+along the rotation and the size of its layout. If the observed layout x and a known layout p are
+written as complex vectors, the inner product <p, x> has the components along both directions. Such
+a kernel therefore costs no more than a round kernel.
 """
 
 from __future__ import annotations
@@ -153,7 +155,7 @@ class OwnLayouts:
         for layout in self.layouts:
             if not _like_a_hand(layout):
                 raise EncoderError(
-                    "no hand touches like this",
+                    "these five touches cannot be one hand",
                     where="a layout of five fingers",
                     got=layout.round(2).tolist(),
                     expected=f"distances of {_LEAST:g} to {_WIDEST:g} inches between fingertips",
@@ -201,7 +203,7 @@ class OwnLayouts:
             parts = np.stack([z[:, fingers] for fingers in finger_sets(count)])
             parts = parts - parts.mean(axis=2, keepdims=True)
             density = LayoutDensity(parts, SHAPE)
-            # Log density at the middle of the widest kernel. The density at a distance of `FAR`
+            # Log density at the middle of a round kernel. The density at a distance of `FAR`
             # standard deviations follows from it.
             peak = -(2 * count - 2) * log(SHAPE.width * 2.5066282746310002) - log(len(z))
             densities[count] = density, peak - 0.5 * FAR[count - 2] ** 2
@@ -237,8 +239,8 @@ def _arrangement(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Relation between hypotheses, finger sets and orders of contacts.
 
     Returns:
-        Orders (k!, k), with the contact in each place of the sorted set; and indices (P,) of the
-        labellings of `hypotheses(count)` in a raveled table (S, k!).
+        Orders (k!, k): the contact that takes each place of the sorted finger set. Indices (P,):
+        the place of each labelling of `hypotheses(count)` in the flattened table (S, k!).
     """
     orders = list(permutations(range(count)))
     order_of = [orders.index(tuple(order)) for order in np.argsort(hypotheses(count)).tolist()]
@@ -248,8 +250,9 @@ def _arrangement(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 class LayoutDensity:
     """Kernel density of layouts of k touches given their labels.
 
-    With c = <p, x> and r = |p|, a kernel's exponent is the sum of |x|^2, which is the same for all
-    labellings, and of a quadratic form in Re c (along the size) and Im c (along the rotation).
+    With c = <p, x>, a kernel's exponent has two terms. One is proportional to |x|^2, and equal for
+    all labellings. The other is a quadratic form in Re c (along the size) and Im c (along the
+    rotation), whose coefficients depend on |p|.
 
     Args:
         layouts: (S, M, k) known layouts, k = 2 to 5; each gets a kernel.
@@ -273,7 +276,7 @@ class LayoutDensity:
         flat = layouts.reshape(-1, count).T
         along, across = np.vstack([flat.real, flat.imag]), np.vstack([-flat.imag, flat.real])
         self._directions = np.hstack([along, across])
-        # As the size goes to 0, both differences vanish faster than the divisor.
+        # At a size of 0, both differences below are 0, so the bound of the divisor has no effect.
         divisor = np.maximum(r2, _LEAST_SIZE**2)
         columns = (
             0.5 * (1.0 / narrow - 1.0 / along_size) / divisor,
@@ -317,7 +320,7 @@ class LayoutDensity:
 
 
 _CERTAIN = 0.99
-"""Least probability of its labelling at which a layout of five fingers is stored."""
+"""A layout of five fingers is stored if its labelling has at least this probability."""
 
 _LOOK_AGAIN = 0.5
 """Share of a layout that must be new before contacts that stay are evaluated again."""
@@ -348,9 +351,10 @@ for whom the probabilities of the true labels hardly depend on these weights."""
 
 ODD: Mapping[int, float] = {2: 0.2, 3: 0.05, 4: 0.01, 5: 0.0}
 """Share of people, by number of contacts, whose hands the trained evidence does not fit. Chosen on
-66 people of the selection set, with networks that were trained without the generator of these
-people. For the two generators, the claimed probabilities err by 2.2 and 2.6 points (5.7 and 1.9
-with a share of 0). All answers with a claim of 0.99 are right (97.6 and 99.9 % with a share of 0).
+66 people of the selection set, who come from two generators. The network for the people of one
+generator was trained without that generator. The claimed probabilities err by 2.2 and 2.6 points
+for the two generators (5.7 and 1.9 with a share of 0). All answers with a claim of 0.99 are right
+(97.6 and 99.9 % with a share of 0).
 """
 
 FAINT = 0.2
@@ -365,7 +369,7 @@ _ASSUMED = {
     "own": [_CERTAIN, MOST, NEW, *FAR, *astuple(SHAPE)],
 }
 """Constants that affect labels and are not in the file; digests include them. `ODD` and `FAINT` are
-absent: without declared sets of fingers they change only the claimed probabilities."""
+absent: they change only the claimed probabilities, unless the person's finger sets are declared."""
 
 
 @dataclass(frozen=True)
@@ -517,13 +521,13 @@ class BeliefLabels:
         """Forgets all contacts."""
         self._ids: tuple[int, ...] = ()
         self._lifted: tuple[_LiftOff, ...] = ()
-        # Log probabilities of the labellings of all ids, followed by the recent lift-offs.
+        # Log probabilities of the joint labellings of the contacts `_ids` and then `_lifted`.
         self._joint: Array = np.zeros(1)
         self._belief: Array = np.zeros(1)
         self._places: dict[int, Array] = {}
         self._looked: dict[int, Array] = {}
-        # Current positions of the contacts, if `_places` was not updated since there was no new
-        # evidence.
+        # Current positions of the contacts while `_places` is old. It is not updated as long as
+        # there is no new evidence.
         self._moved: dict[int, tuple[float, float]] = {}
         self._answered: tuple[dict[int, int], Labelling] | None = None
 
@@ -669,8 +673,8 @@ class BeliefLabels:
             apart = self._grown(stayed, others, came)
             touching = [*range(len(stayed)), *range(len(stayed) + len(others), count)]
             apart = summed(apart, count, touching)
-            # Neither `apart` nor `joint` contains the density of its layout as a factor, so only
-            # normalised weights can be compared.
+            # `apart` and `joint` belong to different layouts, and both lack the layout's density as
+            # a factor. They are therefore normalised before they are mixed.
             apart, joint = normalised(apart), normalised(joint)
             back = _AT_ONCE if any(contact.just for contact in others.values()) else _LATER
             joint = arithmetic.log_sum_exp(log(1.0 - back) + apart, log(back) + joint)

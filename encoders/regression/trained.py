@@ -319,7 +319,9 @@ def restored(
 
 
 def _class_of_origin(source: Mapping[str, Any]) -> type[Encoder]:
-    """Loads the class of an origin in a header (`encoders.regression.encoder_registry.origin`).
+    """Loads the encoder class that the origin in a header names.
+
+    The origin is described at `encoders.regression.encoder_registry.origin`.
 
     Raises:
         EncoderError: The class does not exist on this machine.

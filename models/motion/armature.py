@@ -28,10 +28,11 @@ WRIST = "wrist"
 """Name of the root joint."""
 
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-"""Rotation file from world for a file with y up: x right, y up, z towards the person."""
+"""Rotation from the world's frame to that of a file with y up: x right, y up, z towards the
+person."""
 Z_UP = np.eye(3)
-"""Rotation file from world for a file with z up. Its axes are the world's: x right, y away from the
-person, z up."""
+"""Rotation from the world's frame to that of a file with z up. Its axes are the world's: x right, y
+away from the person, z up."""
 
 ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 """Euler orders. The three rotations apply from left to right, each about an axis that the earlier

@@ -1,6 +1,7 @@
 """Data sets read from files, the kinds of data sets, and the comparison of played-back states.
 
-This module must not need the extra `gym`, since `sandbox export` writes motion without it.
+`sandbox export` imports this module even when it writes motion. The module must therefore not need
+the extra `gym`.
 """
 
 from __future__ import annotations

@@ -24,8 +24,8 @@ HEADINGS = {
 TOP = """# Every key of a design file
 
 *Printed by `python -m tools.docs.design_fields` from the fields that designs may have.*
-[studies.md](studies.md) explains studies. An entry without a default is required, unless its
-meaning describes its absence.
+[studies.md](studies.md) explains studies. An entry without a default is required, unless the
+column *meaning* says what happens without it.
 
 `[settings]` and the levels of factors have `task`, `surface`, `device` and the other settings of a
 trial: [studies.md](studies.md#the-design). `[words.nl]` has words of the page:

@@ -1,7 +1,7 @@
 """Settings of the second simulated subject, with units.
 
 Numbers of frames are those of the paper (Chung, Kim, Han, Pollard 2015, section 4); their division
-between two and five fingers is an assumption. All other values are assumptions about how people
+among 2, 3, 4 and 5 fingers is an assumption. All other values are assumptions about how people
 move a hand and how it is measured. Amplitudes were set by looking at seeds 0 to 2, after the bands
 in docs/encoding.md had been fixed.
 """
@@ -19,7 +19,8 @@ SEED = 0
 class SecondConfiguration:
     """Settings of movement, measurement and tasks of second subjects.
 
-    A spread is the half width of a uniform habit, or the scale of a heavy-tailed variation.
+    Habits are drawn uniformly, and their spread is the half width. Variations are heavy-tailed, and
+    their spread is the scale.
 
     Attributes:
         training_frames: Number of frames of day 0 with 2, 3, 4 and 5 fingers.
@@ -40,8 +41,8 @@ class SecondConfiguration:
         way: Half width and half height (m) of the area in which the middle of the fingertips moves.
         turn: Least and greatest yaw (rad) of the gesture `rotate`; 0 is straight away from the
             person.
-        bias: Half range of the mean yaw (rad) of a take without this gesture.
-        forearm: Share of the direction from elbow to fingers in the yaw.
+        bias: Half range of the mean yaw (rad) of a take without the gesture `rotate`.
+        forearm: The yaw follows the direction from elbow to fingers by this share.
         elbow: Distance (m) from the near edge of the screen to the elbow.
 
         habit: Spread of a take's manner, in the order of `grips.MANNERS` (rad; the last in m).
@@ -60,7 +61,8 @@ class SecondConfiguration:
         raise_: Least and greatest angle (rad) by which a subject lifts a finger.
         lift_variety: Least and greatest factor on this angle in a take.
         curl: Share of fingers that are lifted by curling.
-        coupling: Least and greatest share of its neighbours' bend that a lifted finger follows.
+        coupling: A lifted finger takes over a share of its neighbours' bend: least and greatest
+            share.
 
         pad: Distance (m) from the middle of a fingertip to the middle of its touch, for a finger
             that is flat on the screen.

@@ -1,7 +1,8 @@
-"""The simulated subject, whose takes of a day become one capture, and its judged days.
+"""The simulated subject. All its takes of one day form a capture.
 
-The subject's hand takes the most likely posture with its fingertips over the touches. A simulated
-screen measures the touches, and a simulated capture system measures the poses.
+Methods are tested on the subject's judged days (`Subject`). The subject's hand takes the most
+likely posture with its fingertips over the touches. A simulated screen measures the touches, and a
+simulated capture system measures the poses.
 """
 
 from __future__ import annotations
@@ -46,8 +47,9 @@ class Anatomy:
 
     Attributes:
         hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. In joints
-            with two or three degrees of freedom, these are components of one rotation vector, as is
-            nearly true of eye and shoulder (Listing's law). Columns of the root are unit vectors.
+            with two or three degrees of freedom, the degrees of freedom are components of a single
+            rotation vector. This is nearly true of the human eye and shoulder (Listing's law).
+            Columns of the root are unit vectors.
         covariance: (27, 27) covariance of the intended posture.
     """
 
@@ -183,8 +185,8 @@ class PostureSolver:
         theta = aim.copy()
         joints = self._hinges[JOINTS]
         for i in range(ITERATIONS):
-            # In the first half, the precision falls geometrically to a thousandth of its first
-            # value, but not below the required precision.
+            # In the first half, the tolerance shrinks geometrically to a thousandth of its first
+            # value, but not below `precision`.
             share = min(1.0, 2 * i / ITERATIONS)
             sd = np.maximum(precision, _FIRST_PRECISION * 1e-3**share)
             weight = (1 / sd**2).reshape(len(aim), 15)
@@ -329,7 +331,7 @@ class Subject:
 
 @cache
 def first_subject() -> Subject:
-    """The subject on whose training day the built-in encoders of one person are trained."""
+    """The subject whose training day trains the built-in encoders for a single person."""
 
     def day(number: int, progress: Progress | None = None) -> Capture:
         return simulate(FROZEN, SEED, number, progress)
@@ -443,10 +445,10 @@ class _Session:
     def _targets(
         self, rng: np.random.Generator, times: Array, pressed: Array
     ) -> tuple[Array, Array]:
-        """Targets (n, 5, 3) m of the fingertips, of which only the heights are set, and precision
-        (n, 5, 3) m.
+        """Targets (n, 5, 3) m of the fingertips, and their tolerances (n, 5, 3) m.
 
-        The precision of a landing finger increases gradually, so that joints do not jump.
+        Only the heights are set here. The tolerance of a landing finger shrinks gradually, so that
+        joints do not jump.
         """
         c = self.person.configuration
         height = rng.uniform(*c.lift_height, len(FINGERS))

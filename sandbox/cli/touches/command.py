@@ -349,7 +349,7 @@ def record(options: Record) -> int:
         try:
             opened = open_touches_or_page(options, options.seconds, tap if packets else None)
         except BaseException:
-            # A file that is left would stop the corrected command, which needs a new file.
+            # An empty file left behind would refuse the next try with the same file name.
             file.discard()
             raise
         if opened is None:

@@ -182,7 +182,7 @@ def _check_learning(design: Design, trials: TomlTable) -> None:
     if design.learning == "session" and "population" not in used:
         trials.add_mistake(
             "learning",
-            f"{design.learning!r} has no effect: the labels of no trial learn layouts of fingers",
+            f"{design.learning!r} has no effect: no trial has labels that learn layouts",
             'Write labels = "population" in [settings]',
         )
 
@@ -301,8 +301,8 @@ def _read_words(top: TomlTable) -> dict[str, dict[str, str]]:
                 wanted = ", ".join(f"{{{name}}}" for name in sorted(values_of(english[key])))
                 given.add_mistake(
                     key,
-                    f"the values of {english[key]!r} are {wanted or 'none'}",
-                    "Write exactly these values, in braces",
+                    f"the placeholders of {english[key]!r} are {wanted or 'none'}",
+                    "Use exactly these placeholders",
                 )
         given.done()
     table.done()

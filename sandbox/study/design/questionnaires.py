@@ -96,7 +96,8 @@ def _refuse_own_items(table: TomlTable, name: str) -> None:
 
 
 def scored_by_its_question(form: Form) -> Form:
-    """The form, with its answer as its score if it asks for one number and has no scale."""
+    """The form; without a scale and with exactly one question for a number, that number is its
+    score."""
     numbers = [item for item in form.items if item.kind in ("scale", "number")]
     if form.scales or len(numbers) != 1:
         return form
@@ -192,7 +193,7 @@ def _choices(table: TomlTable) -> tuple[str, ...]:
     stored = ", ".join(f'"{value}"' for value in values)
     table.add_mistake(
         "choices",
-        "choices are stored values, equal in all languages, but these are texts in languages",
+        "choices must be the same in all languages, but these are translated",
         f"Write choices = [{stored}], and means = [{{{texts}}}, ...] with a text for each choice",
     )
     return tuple(str(value) for value in values)
@@ -219,8 +220,8 @@ def _means(table: TomlTable, choices: tuple[str, ...]) -> tuple[Text, ...]:
 
 
 def _wording(table: TomlTable) -> Text:
-    """Where the wording comes from in each language; the file has one word, or a table by
-    language."""
+    """Source of the wording in each language. In the file it is one word for all languages, or a
+    table with a word for each language."""
     languages = table.reader.languages
     own = table.field("wording").default
     given = table.raw("wording", own)

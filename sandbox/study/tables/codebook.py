@@ -63,7 +63,7 @@ def columns_by_table(
 ) -> dict[str, list[Column]]:
     """All columns of the tables, by table.
 
-    They include columns of an earlier design that the rows have.
+    Columns of an earlier design are included if rows have them.
     """
     return {
         "trials.csv": trial_columns(design, rows.get("trials.csv", ())),
@@ -91,7 +91,7 @@ def codebook(
     Args:
         design: Design of the study.
         tables: Columns that the written tables have, by table.
-        names: Names of columns in the written tables, by our names, if they differ.
+        names: Name in the written tables by our name of the column, for names that differ.
         study: Facts about the study, by name.
     """
     language = design.languages[0]
@@ -210,7 +210,10 @@ def _upgrades_of(study: StudyFolder) -> tuple[str, ...]:
 
 
 def _of_anonymous_copy(study: StudyFolder) -> Iterator[str]:
-    """Sentences on the changes of an anonymous copy, which has no reasons or order of people."""
+    """Sentences on changes of the design, for an anonymous copy.
+
+    Such a copy has neither the reasons of the changes nor the order of participants.
+    """
     for digest in sorted({*study.session_designs()} - {study.design.digest}):
         yield (
             f"Some sessions were run by an earlier design ({digest}), before the study was "
