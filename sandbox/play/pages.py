@@ -206,7 +206,8 @@ def show_session(
     if texts is not None:
         title, goal, how = texts(message.task, message.goal)
         message = msgspec.structs.replace(message, task=title, goal=goal, how=how)
-    message = msgspec.structs.replace(message, finger_sets=finger_sets)
+    shared = own is not None and len(session.rigs) > 1
+    message = msgspec.structs.replace(message, finger_sets=finger_sets, shared=shared)
     skins = [pack_skin(hand) for hand in session.scene.spec.hands]
     server.show_scene(message, session.scene, device, skins, own)
 

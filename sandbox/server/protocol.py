@@ -324,7 +324,7 @@ class SceneMessage(Struct, tag="scene", frozen=True):
     explains how to do the task, if the design shows hints. `scored` is false if the result does not
     count. `fingers` is the smallest number of different fingers with which the task can be played.
     `finger_sets` has the sets of fingers that the player uses, as in the settings; null if they
-    cannot be chosen.
+    cannot be chosen. `shared` is true if the page's touches move one of several hands.
     """
 
     scene: int
@@ -343,6 +343,7 @@ class SceneMessage(Struct, tag="scene", frozen=True):
     how: str = ""
     fingers: int = 1
     finger_sets: str | None = None
+    shared: bool = False
 
 
 class Trouble(Struct, tag="trouble", frozen=True):

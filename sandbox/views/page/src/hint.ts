@@ -50,7 +50,9 @@ export class Hint {
     this.root.hidden = inStudy ? !scene.how : known;
     this.asked = false;
     this.lifts = lifts;
-    write(this.how, inStudy ? (scene.how ?? "") : word(`how_${scene.task}`, say("how_any")));
+    const both = word(`how_${scene.task}`, say("how_any"));
+    const how = scene.shared ? word(`how_${scene.task}_shared`, both) : both;
+    write(this.how, inStudy ? (scene.how ?? "") : how);
     this.list(inStudy || !this.mouse ? [] : FIRST_KEYS);
   }
 

@@ -208,6 +208,7 @@ export class Hud {
     this.bar.style.transform = `scaleX(${Math.min(Math.max(state.progress, 0), 1)})`;
     this.bar.classList.toggle("good", state.reached);
     this.bar.classList.toggle("done", state.held);
+    this.score.classList.toggle("begun", state.time > 0);
     if (this.study) {
       this.tellInStudy(state, moment);
       return;

@@ -179,7 +179,7 @@ export interface SurfaceView {
   scale?: number;
 }
 
-/** A new scene. Frames with another `scene` number belong to an earlier scene. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has no lift control. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands are tracked in the air, without touches. `goal` is in English. In a study, `task` and `goal` are the design's texts for the participant, and `how` explains how to do the task, if the design shows hints. `scored` is false if the result does not count. `fingers` is the smallest number of different fingers with which the task can be played. `finger_sets` has the sets of fingers that the player uses, as in the settings; null if they cannot be chosen. */
+/** A new scene. Frames with another `scene` number belong to an earlier scene. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has no lift control. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands are tracked in the air, without touches. `goal` is in English. In a study, `task` and `goal` are the design's texts for the participant, and `how` explains how to do the task, if the design shows hints. `scored` is false if the result does not count. `fingers` is the smallest number of different fingers with which the task can be played. `finger_sets` has the sets of fingers that the player uses, as in the settings; null if they cannot be chosen. `shared` is true if the page's touches move one of several hands. */
 export interface SceneMessage {
   type: "scene";
   scene: number;
@@ -198,6 +198,7 @@ export interface SceneMessage {
   how?: string;
   fingers?: number;
   finger_sets?: string | null;
+  shared?: boolean;
 }
 
 /** A problem that prevents a scene, and its remedy, sentence by sentence. */
