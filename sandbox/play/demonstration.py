@@ -68,7 +68,8 @@ def demonstrated(settings: Settings, scene: int) -> bytes:
     # A demonstration has no landing beside the object, and shows the user's own fingers.
     user = UserConfiguration(kind="demonstrating", aim_error=0.0)
     device = DeviceSettings(options=SimulatedOptions(user))
-    own = replace(settings, device=device, second_device=None).changed(labels="device")
+    second = device if settings.second_device else None
+    own = replace(settings, device=device, second_device=second).changed(labels="device")
     with open_trial(own, make_views=make_views) as trial:
         trial.run(stop=lambda: trial.session.scorer.score.held)
         if not trial.session.scorer.score.held:
