@@ -11,6 +11,7 @@ import pytest
 from sandbox.play.demonstration import demonstrated
 from sandbox.trial.driver import open_trial
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 
 def states(message: bytes) -> list[dict[str, Any]]:
@@ -19,7 +20,8 @@ def states(message: bytes) -> list[dict[str, Any]]:
     for _ in range(struct.unpack_from("<H", message, 2)[0]):
         (length,) = struct.unpack_from("<I", message, at)
         frame = message[at + 4 : at + 4 + length]
-        found.append(json.loads(frame[frame.index(b'{"') : frame.rindex(b"}") + 1]))
+        (text,) = struct.unpack_from("<I", frame, 24)
+        found.append(json.loads(frame[-text:]))
         at += 4 + length
     return found
 
@@ -45,3 +47,20 @@ def test_five_fingers_rest_on_the_keys_and_then_those_of_the_white_keys_lift(
     assert all(fingers == blue for fingers in touching[alone:])
     assert shown[-1]["reached"]
     assert shown[-1]["time"] - shown[0]["time"] < 4.0
+
+
+@pytest.mark.parametrize("task", ["carry-together", "close-case"])
+def test_both_hands_of_a_task_for_two_are_shown(task: str) -> None:
+    """A person plays one hand on a page, and a simulated user the other."""
+    shown = states(demonstrated(trial_settings(TrialOptions(task=task, device="web")), 1))
+    assert shown[-1]["reached"]
+    together = [state for state in shown if all(hand["contacts"] for hand in state["hands"])]
+    assert together and all(len(state["hands"]) == 2 for state in shown)
+
+
+@pytest.mark.parametrize("task", ["stack-vertical", "insert", "stack-three"])
+def test_a_grip_is_shown_with_the_fingers_that_the_user_has_put_down(task: str) -> None:
+    shown = states(demonstrated(Settings(task=task), 1))
+    fingers = {c["label"] for state in shown for hand in state["hands"] for c in hand["contacts"]}
+    # Without a label: touches that have just come down.
+    assert fingers - {None} == {0, 1, 2}
