@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
@@ -113,6 +114,8 @@ def main() -> None:
     )
     parser.add_argument("--sheet", action="store_true", help=f"also writes {SHEET} and {SCREENS}")
     options = parser.parse_args()
+    if without_font := [code for code in options.languages.split(",") if not has_font(code)]:
+        parser.error(f"no font for {', '.join(without_font)}; install fonts-noto-cjk")
     options.folder.mkdir(parents=True, exist_ok=True)
     taken = wrong = 0
     with tempfile.TemporaryDirectory() as profile:
@@ -135,6 +138,12 @@ def main() -> None:
     if options.sheet:
         sheet(options.folder)
         sheet_of_screens(options.folder)
+
+
+def has_font(code: str) -> bool:
+    """True if this machine has a font with the letters of a language."""
+    listed = subprocess.run(["fc-list", f":lang={code}", "family"], capture_output=True, check=True)
+    return bool(listed.stdout.strip())
 
 
 def moments(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]:
