@@ -69,7 +69,7 @@ def build_scene(
 
     Raises:
         InputError: MuJoCo cannot build an object of the task.
-        SceneError: The time step does not fit.
+        SceneError: The control period is not a whole number of time steps.
     """
     where = f"{task.name}, seed {task.seed}"
     with TASK_PLUGINS.guarded(where, "the scene of this task cannot be built"):

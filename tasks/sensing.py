@@ -130,7 +130,7 @@ class Sensing:
             joint = model.joint(obj.name)
             dof = int(joint.dofadr[0])
             hinged = joint.type[0] == mujoco.mjtJoint.mjJNT_HINGE
-            # An object in a plane slides along two or three axes.
+            # An object on slides has a speed for each slide.
             types = model.jnt_type[model.jnt_bodyid == scene.object_bodies[obj.name]]
             slides = int(np.sum(types == mujoco.mjtJoint.mjJNT_SLIDE))
             moves = slides or (1 if hinged else 3)

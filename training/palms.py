@@ -1,8 +1,8 @@
 """Training of the network that decides by the place of a contact whether the contact is a palm.
 
-The examples are from people of a population. An example is a contact beside the touching fingers of
-a frame. The contact is either one of these fingers, or the heel of a hand. Half of the contacts are
-palms. Needs scikit-learn.
+The examples are from people of a population. An example is one contact and the positions of the
+other touches of a frame. The contact is either a touching finger or the heel of a hand. Half of the
+contacts are palms. Needs scikit-learn.
 """
 
 from __future__ import annotations
@@ -123,8 +123,10 @@ def _grip(people: Sequence[Capture], rng: np.random.Generator) -> tuple[Capture,
 
 
 def _palm_place(person: Capture, frame: int, rng: np.random.Generator) -> Array:
-    """Position (2,) m on the surface of the middle of a palm: the heel of this hand, or of another
-    hand."""
+    """Place (2,) m on the surface where the middle of a palm touches.
+
+    The palm is the heel of this hand, or of another hand.
+    """
     if rng.random() < OTHER_HAND:
         tips = person.xy[frame, person.down[frame]]
         return np.asarray(tips.mean(axis=0) + rng.uniform(0.09, 0.16) * _direction(rng))
@@ -157,8 +159,11 @@ def _clear_of(xy: Array, place: Array, room: Array) -> Array:
 
 
 def _chosen_finger(fingers: Sequence[int], rng: np.random.Generator) -> int:
-    """Index of a random finger in `fingers`. If the thumb touches, it is chosen more often: in half
-    of the draws, and then like any other finger."""
+    """Index of a random finger in `fingers`.
+
+    If the thumb touches, half of the draws choose it. The other half choose among all touching
+    fingers, including the thumb, with equal chances.
+    """
     if 0 in fingers and rng.random() < 0.5:
         return fingers.index(0)
     return int(rng.integers(len(fingers)))

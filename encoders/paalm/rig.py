@@ -59,7 +59,8 @@ class RiggedFinger:
         return x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i
 
     def bend(self, target: Vector) -> Bend:
-        """Angles for a target (m, in the rig's scale) relative to the base, along palm axes."""
+        """Angles of the chain for a target: a vector (m, in the rig's scale) from the base, in palm
+        axes."""
         return self.chain.solve(self.local(target))
 
 

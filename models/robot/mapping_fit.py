@@ -115,8 +115,9 @@ LEAST_WAY = 1e-6
 
 
 def volume(knuckles: Array, straight: Array, bent: Array) -> float:
-    """Signed volume, -1 to 1, of unit vectors across the fingers, along them, and in the direction
-    in which they close.
+    """Signed volume, -1 to 1, of the parallelepiped of three unit vectors.
+
+    They point across the fingers, along them, and in the direction in which they close.
 
     It is NaN for fingers that do not bend, for example because their joints have no ranges. Left
     and right hands have opposite signs.
@@ -194,8 +195,8 @@ POSES, SPREAD = 16, 0.35
 """Number of poses of the fit, and the largest distance of their joints from the middle of the
 range, as a share of half the range."""
 ROUNDS = 5
-"""Number of rounds. In each round, the robot hand follows all poses, and the palm of the mapping is
-moved to the mean of its places."""
+"""Number of rounds. In each round, the robot hand follows every pose with a movable palm. The palm
+of the mapping is then moved to the mean of the places that this palm took."""
 READY = 1e-2, 1e-1
 """Variances (m2, rad2) of the palm's movement while its place is fitted."""
 HELD = 1e-9, 1e-8
@@ -355,7 +356,8 @@ def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array
             qpos = follow.follow(q)
             places.append(qpos[:3])
             turns.append(qpos[3:7])
-        # The scales move the palm away from the fingertips. The offset is the rest of the distance.
+        # `Retargeter` puts the palm at mean((1 - scale) tip) + mean(scale) offset, for a hand at the
+        # origin. This is solved for the offset.
         scales = np.array(mapping.scales)[:, None]
         tips = [SinglePose(person).tips(q)[: len(scales)] for q in poses]
         rest = [p - np.mean((1.0 - scales) * t, axis=0) for p, t in zip(places, tips, strict=True)]
@@ -454,7 +456,10 @@ def _whole_hands(model: Any) -> bool:
 
 
 def _check_size(robot: RobotModel, person: Skeleton) -> None:
-    """Refuses a hand many times larger or smaller than a person's, whose unit is not the metre."""
+    """Refuses a hand that is many times larger or smaller than a person's.
+
+    The unit of its model is probably not the metre.
+    """
     sizes = _scales(robot, person)
     size = float(np.median(sizes))
     if LEAST_SIZE < size < GREATEST_SIZE:
@@ -472,7 +477,10 @@ def _check_size(robot: RobotModel, person: Skeleton) -> None:
 
 
 def _coupled(robot: RobotModel) -> dict[str, tuple[str, float | tuple[float, ...]]]:
-    """Joints that equalities or narrow tendons couple to other joints, as in a mapping."""
+    """Joints coupled to other joints by equalities, or by tendons with a narrow range.
+
+    The form is that of `RobotMapping.coupled`.
+    """
     model, names = robot.model, set(robot.joint_names())
     driven = {
         model.joint(int(model.actuator_trnid[a, 0])).name

@@ -65,7 +65,8 @@ def demonstrated(settings: Settings, scene: int) -> bytes:
         film.append(_Film(scene, BodyKinematics(session.scene)))
         return [film[0].show]
 
-    # A demonstration has no landing beside the object, and shows the user's own fingers.
+    # The first touch has no common aiming error, and the labels are the fingers that the user has
+    # put down.
     user = UserConfiguration(kind="demonstrating", aim_error=0.0)
     device = DeviceSettings(options=SimulatedOptions(user))
     second = device if settings.second_device else None

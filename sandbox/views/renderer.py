@@ -160,7 +160,8 @@ class Renderer(Closeable):
             mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
 
     def turn(self, right: float, down: float) -> None:
-        """Turns the camera as if the scene were dragged; distances in heights of the picture."""
+        """Turns the camera as if the scene were dragged by `right` and `down`, both as shares of
+        the picture's height."""
         if self.camera is not None and not self.camera.orthographic:
             self.camera.azimuth -= 180.0 * right
             self.camera.elevation = float(

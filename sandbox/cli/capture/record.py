@@ -323,9 +323,9 @@ def _record(options: RecordOptions, opened: Opened, hands: Hands) -> int:
 
 
 def _start_offsets(options: RecordOptions) -> tuple[float, float]:
-    """Returns the delays (s) with which touches and hands begin after the first of the two.
+    """Returns how much later (s) touches and hands begin than the earlier of the two.
 
-    It applies to two files of one session. Played as devices, both would begin at 0. For all other
+    One of the values is 0. It applies to two files of one session. Played as devices, both would begin at 0. For all other
     sources it returns (0, 0).
     """
     begin = [first_line_with_host(Path(name)) for name in (options.touches, options.hands)]

@@ -64,8 +64,8 @@ _USER_OPTIONS = ("user", "drop_outs")
 """Options of devices that configure a simulated user. Other options, such as addresses of a
 laboratory's devices, are private."""
 HEADER, DUMP, BROKEN_OFF = "header", "dump", "broken_off"
-"""`HEADER` is the kind of a recording's first line. `DUMP` is the field of a result with the file
-of a divergence, `BROKEN_OFF` the field with the reason why an attempt was broken off."""
+"""`HEADER` is the kind of a recording's first line. The others are fields of a result: the file with
+the states before a divergence, and the reason why an attempt was broken off."""
 COMMANDS = ("pause", "go_on", "repeat", "begin_again", "skip", "exclude", "note")
 """Commands that stay in a copy."""
 LEFT_OUT = "left_out"

@@ -79,7 +79,10 @@ class HandPicture:
 
 
 class HandMemory:
-    """Collects the drawn parts of hands; lost fingers stay at their last position in the palm."""
+    """Collects the drawn parts of hands.
+
+    A lost finger keeps its last position relative to the palm, and moves with it.
+    """
 
     def __init__(self) -> None:
         self._last: dict[tuple[str, int], tuple[Array, Array]] = {}
@@ -345,7 +348,8 @@ class PaalmPicture(Closeable):
         self._renderer.put_on_screen(picture)
 
     def turn(self, right: float, down: float) -> None:
-        """Turns the camera of the hand; distances in heights of the picture."""
+        """Turns the camera of the right half as if the scene were dragged by `right` and `down`,
+        both as shares of the picture's height."""
         self._renderer.turn(right, down)
 
     def close(self) -> None:
