@@ -147,8 +147,7 @@ def _check_not_sunk(objects: tuple[SceneObject, ...], where: str) -> None:
                 where=where,
                 got=f"{-1000 * lowest:.1f} mm deep",
                 expected=f"at most {1000 * _SUNK:g} mm",
-                remedy="Place it higher. Parts that are inside the table belong below the origin of "
-                "its description",
+                remedy="Place it higher. In its description, sunk parts belong below the origin",
             )
 
 

@@ -356,8 +356,8 @@ def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array
             qpos = follow.follow(q)
             places.append(qpos[:3])
             turns.append(qpos[3:7])
-        # `Retargeter` puts the palm at mean((1 - scale) tip) + mean(scale) offset, for a hand at the
-        # origin. This is solved for the offset.
+        # For a hand at the origin, `Retargeter` puts the palm at
+        # mean((1 - scale) tip) + mean(scale) offset. This is solved for the offset.
         scales = np.array(mapping.scales)[:, None]
         tips = [SinglePose(person).tips(q)[: len(scales)] for q in poses]
         rest = [p - np.mean((1.0 - scales) * t, axis=0) for p, t in zip(places, tips, strict=True)]

@@ -37,9 +37,9 @@ say nothing about people. The design is
 [examples/study/report.html](../examples/study/report.html) (save it, and open it in a browser).
 `python -m tools.docs.example_study FOLDER` wrote this page and all numbers in it.
 
-The level `paper` is the whole method of the paper. Its encoder is also a quadratic: it differs
-from the level `quadratic` only in labels, correction and smoothing. Differences between these two
-levels are therefore effects of these three parts, not of the encoder.
+The level `paper` is the whole method of the paper. Its encoder is also a quadratic, but without the
+ridge penalty of the level `quadratic`. The two levels also differ in labels, correction and
+smoothing. Differences between them are effects of all four.
 
 ```console
 $ sandbox study check {design}

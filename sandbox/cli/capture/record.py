@@ -325,8 +325,8 @@ def _record(options: RecordOptions, opened: Opened, hands: Hands) -> int:
 def _start_offsets(options: RecordOptions) -> tuple[float, float]:
     """Returns how much later (s) touches and hands begin than the earlier of the two.
 
-    One of the values is 0. It applies to two files of one session. Played as devices, both would begin at 0. For all other
-    sources it returns (0, 0).
+    One of the values is 0. The offsets apply to two files of one session, both of which would begin
+    at 0 if they were played as devices. For all other sources both are 0.
     """
     begin = [first_line_with_host(Path(name)) for name in (options.touches, options.hands)]
     if None in begin:

@@ -64,7 +64,7 @@ _USER_OPTIONS = ("user", "drop_outs")
 """Options of devices that configure a simulated user. Other options, such as addresses of a
 laboratory's devices, are private."""
 HEADER, DUMP, BROKEN_OFF = "header", "dump", "broken_off"
-"""`HEADER` is the kind of a recording's first line. The others are fields of a result: the file with
+"""`HEADER` is the kind of a recording's first line. The others are fields of a result: the file of
 the states before a divergence, and the reason why an attempt was broken off."""
 COMMANDS = ("pause", "go_on", "repeat", "begin_again", "skip", "exclude", "note")
 """Commands that stay in a copy."""
