@@ -269,7 +269,7 @@ def test_a_profile_shows_and_forgets_its_layouts(
     ("layouts", "says"),
     [
         ([MIRRORED], "other hand"),
-        ([FAR], "no hand"),
+        ([FAR], "cannot be one hand"),
         ([FIVE[:4]], "five places"),
         ([FIVE] * 25, "at most 24"),
         ([[[0, "x"]] * 5], "a number"),

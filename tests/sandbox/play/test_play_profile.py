@@ -61,7 +61,7 @@ def usable(path: Path, **more: Any) -> tuple[PlayOptions, str]:
         ({"schema": 99}, "another version", Person()),
         ({"kind": "shopping list"}, "not a profile", Person()),
         ({"hand_size": 77}, "out of range", Person()),
-        ({"layouts": [FAR]}, "no hand", Person("right", 0.9)),
+        ({"layouts": [FAR]}, "cannot be one hand", Person("right", 0.9)),
         ({"layouts": [MIRRORED]}, "other hand", Person("right", 0.9)),
     ],
 )

@@ -23,7 +23,7 @@ from sandbox.words import (
     words_in,
     words_of_studies,
 )
-from tasks.registry import TASKS
+from tasks.registry import TASKS, hands_of
 from tasks.stack import NAMES
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -34,6 +34,7 @@ KEY = re.compile(r"""["'`](\w+)["'`]|\b(?:play|page|p)\.(\w+)""")
 ENGLISH = words_in("en")
 MADE_AT_RUN_TIME = {
     *(f"{what}_{task}" for what in ("task", "goal", "how") for task in TASKS),
+    *(f"how_{task}_shared" for task, kind in TASKS.items() if hands_of(kind) == 2),
     *(f"{what}_{box}" for what in ("box", "below") for box in NAMES),
     *(f"wording_{wording}" for wording in WORDINGS),
     "side_left",

@@ -37,7 +37,7 @@ def test_a_design_has_words_of_its_own_for_its_participants() -> None:
     [
         ('nxt = "Volgende"', "Did you mean next"),
         ('hint_close = "Sluit"', "unknown key"),
-        ('number = "Een getal van {low}"', "the values of"),
+        ('number = "Een getal van {low}"', "the placeholders of"),
         ('number = "Een getal van {low} tot {hoog}"', "{high}, {low}"),
         ("next = 3", "Write a text"),
     ],
