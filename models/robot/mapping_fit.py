@@ -119,8 +119,8 @@ def volume(knuckles: Array, straight: Array, bent: Array) -> float:
 
     They point across the fingers, along them, and in the direction in which they close.
 
-    It is NaN for fingers that do not bend, for example because their joints have no ranges. Left
-    and right hands have opposite signs.
+    The volume is NaN for fingers that do not bend, for example because their joints have no ranges.
+    Left and right hands have opposite signs.
 
     Args:
         knuckles: (n, 3) m, beginnings of the fingers, from the index finger on.

@@ -151,7 +151,7 @@ class PagePlay(Play):
             if self.requests.again:
                 self.demonstrator.stop()
                 return None
-            if self.requests.demonstrate and not demonstrated and self._can_demonstrate:
+            if self.requests.demonstrate and not demonstrated and self._can_demonstrate(chosen):
                 demonstrated = True
                 self.demonstrator.begin(chosen, scene)
             pause = auto_pause.check(session.time, session.scorer.score.held)
@@ -173,10 +173,13 @@ class PagePlay(Play):
 
         LiveRun(trial, self.servers).play(turn, end)
 
-    @property
-    def _can_demonstrate(self) -> bool:
-        """True if people play by touch on one page; only the first page has demonstrations."""
-        return self.options.device == "web" and len(self.servers) == 1
+    def _can_demonstrate(self, settings: Settings) -> bool:
+        """True if all hands play by touch, and one page shows them.
+
+        Only the first page has demonstrations.
+        """
+        touches = all(hand.in_air is None for hand in settings.hands)
+        return self.options.device == "web" and touches and len(self.servers) == 1
 
     def _report_hand_size(self, session: Session, settings: Settings) -> None:
         """Prints the size of the headset's hand if the drawn hand has another size."""

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import shutil
 import subprocess
 import tempfile
 import time
@@ -115,7 +116,10 @@ def main() -> None:
     parser.add_argument("--sheet", action="store_true", help=f"also writes {SHEET} and {SCREENS}")
     options = parser.parse_args()
     if without_font := [code for code in options.languages.split(",") if not has_font(code)]:
-        parser.error(f"no font for {', '.join(without_font)}; install fonts-noto-cjk")
+        parser.error(
+            f"no font for {', '.join(without_font)}; install fonts-noto-cjk (zh, ja) or "
+            "fonts-noto-core (all others), and fontconfig"
+        )
     options.folder.mkdir(parents=True, exist_ok=True)
     taken = wrong = 0
     with tempfile.TemporaryDirectory() as profile:
@@ -141,7 +145,9 @@ def main() -> None:
 
 
 def has_font(code: str) -> bool:
-    """True if this machine has a font with the letters of a language."""
+    """True if this machine has a font with the letters of a language, as fontconfig lists them."""
+    if shutil.which("fc-list") is None:
+        return False
     listed = subprocess.run(["fc-list", f":lang={code}", "family"], capture_output=True, check=True)
     return bool(listed.stdout.strip())
 

@@ -112,9 +112,9 @@ def _chosen(
     """The hand with the given side in a picture; None if it is not seen.
 
     Among several hands of this side, the hand nearest to the recent place of the followed hand is
-    chosen. Without a recent place, the hand with the highest score is chosen. A single hand of the
-    other side is accepted at the recent place: from above, the engine sometimes mistakes the side
-    of a hand for a short time.
+    chosen. Without a recent place, the hand with the highest score is chosen. If the only hand in
+    the picture has the other side, it is accepted at the recent place: from above, the engine
+    sometimes mistakes the side of a hand for a short time.
     """
     own = [h for h in frame.hands if h.side == side]
     if before is not None and now - before[0] <= _LONGEST_FOLLOWED:

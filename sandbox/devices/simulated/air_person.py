@@ -2,7 +2,9 @@
 
 The steps are: move the hand above an object, then around it, pinch, lift, carry, lower, open, look
 again. The person sees only the drawn fingertips and the objects, as the screen showed them a
-reaction time ago. They correct errors of the drawn hand by moving their own hand.
+reaction time ago. They correct errors of the drawn hand by moving their own hand. `Hold` is the
+block of an object that the fingers pinch. The functions at the end compute holds, and the movements
+that bring an object to its goal.
 """
 
 from __future__ import annotations
