@@ -65,12 +65,14 @@ def demonstrated(settings: Settings, scene: int) -> bytes:
         film.append(_Film(scene, BodyKinematics(session.scene)))
         return [film[0].show]
 
-    # The first touch has no common aiming error, and the labels are the fingers that the user has
-    # put down.
+    # The first touch has no common aiming error.
     user = UserConfiguration(kind="demonstrating", aim_error=0.0)
     device = DeviceSettings(options=SimulatedOptions(user))
     second = device if settings.second_device else None
-    own = replace(settings, device=device, second_device=second).changed(labels="device")
+    own = replace(settings, device=device, second_device=second)
+    # The fingers that the user has put down are shown. The paper's own pipeline keeps its labels.
+    if own.pipeline.labels == "population":
+        own = own.changed(labels="device")
     with open_trial(own, make_views=make_views) as trial:
         trial.run(stop=lambda: trial.session.scorer.score.held)
         if not trial.session.scorer.score.held:
